@@ -1,0 +1,23 @@
+"""The errors that carry a sentence for the person at the keyboard."""
+
+from __future__ import annotations
+
+
+class GeoweaveError(Exception):
+    """Something the caller can put right; its text names the place and the remedy."""
+
+
+class MeshError(GeoweaveError):
+    """A mesh that no method of the paper is defined on, and what to do about it."""
+
+
+class FieldError(GeoweaveError):
+    """A vector field, or a request about one, that cannot be honoured."""
+
+
+class DataError(GeoweaveError):
+    """A named data set that is missing, unreachable or not what its checksum says."""
+
+
+class RenderError(GeoweaveError):
+    """Pictures cannot be drawn on this machine, and what to install."""
