@@ -1,0 +1,52 @@
+"""Where files of the artifact are written: the figures folder of a profile.
+
+The folder is named by the environment variable ``GEOWEAVE_FIGURES``, which the notebook runner sets for every
+kernel it starts (``make test`` names a folder under ``build/``, so that no committed file changes). A notebook run
+by hand has no such variable and writes to ``figures/`` of the checkout it lives in.
+"""
+
+import os
+from pathlib import Path
+
+from geoweave.errors import GeoweaveError
+
+FIGURES_VARIABLE = "GEOWEAVE_FIGURES"
+
+__all__ = ["FIGURES_VARIABLE", "figures_folder", "repository"]
+
+
+def repository() -> Path:
+    """The checkout that holds pyproject.toml and notebooks/: around the working directory, else around this package.
+
+    Raises
+    ------
+    GeoweaveError
+        if neither the working directory nor the package lies inside a checkout of geoweave.
+    """
+    here = Path.cwd().resolve()
+    package = Path(__file__).resolve().parent
+    for folder in (here, *here.parents, package.parent):
+        if (folder / "notebooks").is_dir() and (folder / "geoweave" / "places.py").is_file():
+            return folder
+    raise GeoweaveError(
+        f"{here} is not inside a checkout of geoweave: run the command there, or name the folder for "
+        f"figures in the environment variable {FIGURES_VARIABLE}"
+    )
+
+
+def figures_folder(profile: str = "default") -> Path:
+    """The folder that figures of ``profile`` are published to: ``figures/`` for default, ``figures/<profile>/`` else.
+
+    The base folder is ``$GEOWEAVE_FIGURES`` where that is set, ``figures/`` of the checkout otherwise. The folder
+    is not created here.
+
+    Raises
+    ------
+    GeoweaveError
+        if the profile's name is no plain word, or no base folder can be found.
+    """
+    if not profile.isidentifier():
+        raise GeoweaveError(f"'{profile}' is no name of a profile: use default or paper")
+    named = os.environ.get(FIGURES_VARIABLE, "")
+    base = Path(named) if named else repository() / "figures"
+    return base if profile == "default" else base / profile
