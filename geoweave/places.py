@@ -1,8 +1,8 @@
 """Where files of the artifact are written: the figures folder of a profile.
 
-The folder is named by the environment variable ``GEOWEAVE_FIGURES``, which the notebook runner sets for every
-kernel it starts (``make test`` names a folder under ``build/``, so that no committed file changes). A notebook run
-by hand has no such variable and writes to ``figures/`` of the checkout it lives in.
+The folder is named by the environment variable ``GEOWEAVE_FIGURES``, which the notebook runner sets for
+every kernel it starts (``make test`` names a folder under ``build/``, so that no committed file changes).
+A notebook run by hand has no such variable and writes to ``figures/`` of the checkout it lives in.
 """
 
 import os
@@ -16,7 +16,7 @@ __all__ = ["FIGURES_VARIABLE", "figures_folder", "repository"]
 
 
 def repository() -> Path:
-    """The checkout that holds pyproject.toml and notebooks/: around the working directory, else around this package.
+    """The checkout (pyproject.toml and the package) around the working directory, else around this package.
 
     Raises
     ------
@@ -26,7 +26,7 @@ def repository() -> Path:
     here = Path.cwd().resolve()
     package = Path(__file__).resolve().parent
     for folder in (here, *here.parents, package.parent):
-        if (folder / "notebooks").is_dir() and (folder / "geoweave" / "places.py").is_file():
+        if (folder / "pyproject.toml").is_file() and (folder / "geoweave" / "places.py").is_file():
             return folder
     raise GeoweaveError(
         f"{here} is not inside a checkout of geoweave: run the command there, or name the folder for "
@@ -35,10 +35,10 @@ def repository() -> Path:
 
 
 def figures_folder(profile: str = "default") -> Path:
-    """The folder that figures of ``profile`` are published to: ``figures/`` for default, ``figures/<profile>/`` else.
+    """The folder that figures of ``profile`` go to: ``figures/`` for default, ``figures/<profile>/`` else.
 
-    The base folder is ``$GEOWEAVE_FIGURES`` where that is set, ``figures/`` of the checkout otherwise. The folder
-    is not created here.
+    The base folder is ``$GEOWEAVE_FIGURES`` where that is set, ``figures/`` of the checkout otherwise. The
+    folder is not created here.
 
     Raises
     ------

@@ -20,7 +20,7 @@ def test_the_variable_names_the_base_folder(monkeypatch: pytest.MonkeyPatch, tmp
 
 def test_by_hand_it_is_the_checkout(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.delenv(FIGURES_VARIABLE, raising=False)
-    monkeypatch.chdir(ROOT / "notebooks")
+    monkeypatch.chdir(ROOT / "tests")
     assert repository() == ROOT
     assert figures_folder() == ROOT / "figures"
     monkeypatch.chdir(tmp_path)
