@@ -1,0 +1,239 @@
+"""Repairs of a triangle soup's arrays, one function each; all of them whole-array operations.
+
+Faces are (F, 3) vertex indices in any orientation. Half-edge ``k`` of a face lies opposite its corner ``k``.
+Coordinates only enter through ratios, so the unit and the place of the model do not matter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+from scipy.spatial import cKDTree
+
+from geoweave.arrays import Flags, Indices, Scalars, Triangles, Vectors
+from geoweave.mesh import SMALLEST_ASPECT
+
+FLAT = 2.0 * SMALLEST_ASPECT
+"""A face is flat when its area is at most this share of its longest edge squared; stricter than `TriMesh`."""
+
+COINCIDENT = 1e-7
+"""Open vertices closer than this share of the model, or of a flat face's longest edge, are one vertex.
+
+It is what is left of single precision, in which STL and most PLY files are written.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Edges:
+    """The undirected edges of a face list.
+
+    ``ends`` (E, 2) sorted vertices, ``of_halfedge`` (3F,) edge of each half-edge, ``counts`` (E,) faces
+    on each.
+    """
+
+    ends: Indices
+    of_halfedge: Indices
+    counts: Indices
+
+    @classmethod
+    def of(cls, faces: Triangles) -> Edges:
+        """Collect the edges of the faces."""
+        tail, head = faces[:, [1, 2, 0]].ravel(), faces[:, [2, 0, 1]].ravel()
+        size = int(faces.max(initial=0)) + 1
+        key = np.minimum(tail, head) * size + np.maximum(tail, head)
+        key, of_halfedge, counts = np.unique(key, return_inverse=True, return_counts=True)
+        return cls(np.stack([key // size, key % size], axis=1), of_halfedge, counts)
+
+    def halfedge_pairs(self) -> Indices:
+        """(P, 2) half-edges that lie on the same edge; an edge with n faces gives n - 1 pairs."""
+        order = np.argsort(self.of_halfedge, kind="stable")
+        same = np.flatnonzero(self.of_halfedge[order[1:]] == self.of_halfedge[order[:-1]])
+        return np.stack([order[same], order[same + 1]], axis=1)
+
+    def manifold_pairs(self) -> Indices:
+        """(P, 2) half-edges of the edges that exactly two faces share."""
+        pairs = self.halfedge_pairs()
+        twice: Flags = self.counts[self.of_halfedge[pairs[:, 0]]] == 2
+        return pairs[twice]
+
+
+def connected(pairs: Indices, size: int) -> Indices:
+    """(size,) number of the connected component of each node of an undirected graph."""
+    links = np.ones(len(pairs), dtype=np.int8)
+    graph = sparse.coo_array((links, (pairs[:, 0], pairs[:, 1])), shape=(size, size))
+    labels: Indices = csgraph.connected_components(graph, directed=False)[1].astype(np.int64)
+    return labels
+
+
+def first_of_each(labels: Indices) -> Indices:
+    """(N,) lowest position that carries the same label."""
+    _, first, inverse = np.unique(labels, return_index=True, return_inverse=True)
+    return np.asarray(first[inverse], dtype=np.int64)
+
+
+def repeated(faces: Triangles) -> Flags:
+    """(F,) faces that name a vertex twice."""
+    return np.asarray((faces == np.roll(faces, 1, axis=1)).any(axis=1))
+
+
+def duplicates(faces: Triangles) -> Flags:
+    """(F,) faces with the same three vertices as an earlier one, in whatever order."""
+    corners = np.sort(faces, axis=1)
+    order = np.lexsort(corners.T)  # stable, so the earliest face of a group comes first
+    found = np.zeros(len(faces), dtype=bool)
+    found[order[1:]] = (corners[order[1:]] == corners[order[:-1]]).all(axis=1)
+    return found
+
+
+def shapes_of(vertices: Vectors, faces: Triangles) -> tuple[Scalars, Scalars]:
+    """(F, 3) lengths of the half-edges and (F,) areas."""
+    a, b, c = (vertices[faces[:, k]] for k in range(3))
+    lengths = np.stack([np.linalg.norm(side, axis=1) for side in (c - b, a - c, b - a)], axis=1)
+    return lengths, 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def flat(vertices: Vectors, faces: Triangles) -> Flags:
+    """(F,) faces without area."""
+    lengths, areas = shapes_of(vertices, faces)
+    return np.asarray(areas <= FLAT * lengths.max(axis=1, initial=0.0) ** 2)
+
+
+def coincident(vertices: Vectors, faces: Triangles) -> Indices:
+    """(V,) lowest vertex that each vertex coincides with.
+
+    Only ends of open edges are joined, so that closed surfaces that touch stay apart, and the ends of the
+    short side of a needle.
+    """
+    edges = Edges.of(faces)
+    open_vertices = np.unique(edges.ends[edges.counts == 1])
+    size = float(np.linalg.norm(np.ptp(vertices[faces.ravel()], axis=0)))
+    pairs = [_close_pairs(vertices, open_vertices, COINCIDENT * size)]
+
+    lengths, areas = shapes_of(vertices, faces)
+    longest, shortest = lengths.max(axis=1), lengths.argmin(axis=1)
+    needle = (areas <= FLAT * longest**2) & (lengths.min(axis=1) <= COINCIDENT * longest)
+    corners = faces[needle]
+    rows = np.arange(len(corners))
+    k = shortest[needle]
+    pairs.append(np.stack([corners[rows, (k + 1) % 3], corners[rows, (k + 2) % 3]], axis=1))
+    return first_of_each(connected(np.concatenate(pairs), len(vertices)))
+
+
+def _close_pairs(vertices: Vectors, candidates: Indices, distance: float) -> Indices:
+    """Pairs of candidates that lie within a distance, enough of them to connect all that do."""
+    points = vertices[candidates]
+    order = np.lexsort(points.T)
+    same = (points[order[1:]] == points[order[:-1]]).all(axis=1)
+    exact = np.stack([order[:-1][same], order[1:][same]], axis=1)
+    distinct = order[np.concatenate([[True], ~same])] if len(order) else order
+    if len(distinct) > 1:
+        # a tree of distinct points: one of the three or more copies of each in an STL file
+        tree = cKDTree(points[distinct], balanced_tree=False, compact_nodes=False)
+        exact = np.concatenate([exact, distinct[tree.query_pairs(distance, output_type="ndarray")]])
+    return np.asarray(candidates[exact], dtype=np.int64)
+
+
+def flip_caps(vertices: Vectors, faces: Triangles) -> tuple[Triangles, int]:
+    """Remove flat faces whose apex lies on their longest edge by flipping that edge, without opening a slit.
+
+    Returns the new faces, and how many edges were flipped in this round; several may be needed, because
+    the flips of one round keep clear of each other.
+    """
+    bad = flat(vertices, faces)
+    edges = Edges.of(faces)
+    pairs = edges.manifold_pairs()
+    pairs = np.concatenate([pairs, pairs[:, ::-1]])  # (half-edge of the cap, half-edge across)
+    lengths, _ = shapes_of(vertices, faces)
+    longest = lengths.argmax(axis=1)
+    cap, across = pairs[:, 0] // 3, pairs[:, 1] // 3
+    fits = bad[cap] & ~bad[across] & (longest[cap] == pairs[:, 0] % 3)
+    pairs, cap, across = pairs[fits], cap[fits], across[fits]
+    apex, far = faces.ravel()[pairs[:, 0]], faces.ravel()[pairs[:, 1]]
+
+    size = int(faces.max(initial=0)) + 1
+    new = np.minimum(apex, far) * size + np.maximum(apex, far)
+    free = (apex != far) & ~np.isin(new, edges.ends[:, 0] * size + edges.ends[:, 1])
+    chosen = np.flatnonzero(free)
+    for taken in (across, new):
+        chosen = chosen[np.unique(taken[chosen], return_index=True)[1]]
+    cap, across, apex, far = cap[chosen], across[chosen], apex[chosen], far[chosen]
+    k = pairs[chosen, 1] % 3
+    p, q = faces[across, (k + 1) % 3], faces[across, (k + 2) % 3]
+    flipped = faces.copy()
+    flipped[across] = np.stack([far, p, apex], axis=1)
+    flipped[cap] = np.stack([far, apex, q], axis=1)
+    return flipped, len(chosen)
+
+
+def face_components(faces: Triangles) -> Indices:
+    """(F,) number of the component of each face; faces are connected over edges, not over single vertices."""
+    return connected(Edges.of(faces).halfedge_pairs() // 3, len(faces))
+
+
+def orientation(faces: Triangles) -> tuple[Flags, Indices]:
+    """Which faces to turn over so that neighbours agree, and the faces where that is impossible.
+
+    Every face stands for two nodes, as it is and turned over; nodes that agree across an edge are connected.
+    An orientable component falls into two mirror images, a one-sided one stays in one piece. Of the two, the
+    one that leaves more faces as they are is taken.
+    """
+    n = len(faces)
+    first, second = Edges.of(faces).manifold_pairs().T
+    tails = faces[:, [1, 2, 0]].ravel()
+    clash = tails[first] == tails[second]
+    i, j = first // 3, second // 3
+    nodes = np.concatenate([np.stack([i, j + n * clash], axis=1), np.stack([i + n, j + n * ~clash], axis=1)])
+    label = connected(nodes, 2 * n)
+    kept, turned = label[:n], label[n:]
+    votes = np.bincount(kept, minlength=2 * n)
+    first_face = first_of_each(np.minimum(kept, turned))
+    tie = votes[kept] == votes[turned]
+    turn = np.where(tie, kept != kept[first_face], votes[turned] > votes[kept])
+    return turn, np.flatnonzero(kept == turned)
+
+
+def inside_out(vertices: Vectors, faces: Triangles) -> Flags:
+    """(F,) faces of closed components whose normals point inwards, by the sign of the enclosed volume."""
+    component = face_components(faces)
+    edges = Edges.of(faces)
+    n = int(component.max()) + 1
+    bounded = np.zeros(n, dtype=bool)
+    bounded[component[np.flatnonzero(edges.counts[edges.of_halfedge] == 1) // 3]] = True
+    _, first = np.unique(component, return_index=True)
+    origin = vertices[faces[first, 0]][component]  # on the component, so that a far-off model loses no digits
+    a, b, c = (vertices[faces[:, k]] - origin for k in range(3))
+    volume = np.bincount(component, np.einsum("fx,fx->f", a, np.cross(b, c)) / 6.0, n)
+    area = np.bincount(component, shapes_of(vertices, faces)[1], n)
+    return ((volume < -1e-9 * area**1.5) & ~bounded)[component]
+
+
+def separated_fans(faces: Triangles) -> tuple[Triangles, Indices]:
+    """Give every fan of faces around a vertex its own vertex.
+
+    Fans are joined only over edges that exactly two faces share.
+
+    Returns
+    -------
+    The new faces, and (N,) the vertex that each added one is a copy of; they are numbered after the old ones.
+    """
+    pairs = Edges.of(faces).manifold_pairs()
+    face, k = np.divmod(pairs, 3)
+    joined = []
+    for step in (1, 2):
+        vertex = faces[face[:, 0], (k[:, 0] + step) % 3]
+        other = (k[:, 1] + 1) % 3
+        other = np.where(faces[face[:, 1], other] == vertex, other, (k[:, 1] + 2) % 3)
+        joined.append(np.stack([3 * face[:, 0] + (k[:, 0] + step) % 3, 3 * face[:, 1] + other], axis=1))
+    fan = connected(np.concatenate(joined), faces.size)
+    _, first, fan = np.unique(fan, return_index=True, return_inverse=True)
+    vertex = faces.ravel()[first]
+    leading = np.zeros(len(vertex), dtype=bool)
+    order = np.lexsort((first, vertex))
+    leading[order[np.concatenate([[True], vertex[order[1:]] != vertex[order[:-1]]])]] = True
+    number = vertex.copy()
+    n_vertices = int(faces.max()) + 1
+    number[~leading] = n_vertices + np.arange(int((~leading).sum()))
+    return number[fan].reshape(-1, 3), vertex[~leading]

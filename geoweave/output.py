@@ -1,0 +1,75 @@
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from os import PathLike
+from pathlib import Path
+
+from geoweave.errors import GeoweaveError
+
+__all__ = ["OutputError", "check_writable", "replacing"]
+
+
+class OutputError(GeoweaveError):
+    """A file that cannot be written where it was asked for, and what to do about it."""
+
+
+@contextmanager
+def replacing(path: str | PathLike[str]) -> Iterator[Path]:
+    """Yield a temporary path in the same folder that takes the place of ``path`` when the block succeeds.
+
+    When the block raises, or is interrupted, the temporary file is removed and ``path`` stays as it was. The
+    temporary name keeps the extension, because writers choose their format by it.
+
+    Raises
+    ------
+    OutputError
+        If the folder is missing or not writable, ``path`` is a folder, or the disk is full.
+    """
+    target = Path(path)
+    check_writable(target)
+    # through a link, so that the link stays and the file it points to is replaced
+    final = target.resolve() if target.is_symlink() else target
+    temporary = final.with_name(f".{final.stem[:80]}.{secrets.token_hex(4)}{final.suffix}")
+    try:
+        yield temporary
+        _keep_permissions(final, temporary)
+        os.replace(temporary, final)
+    except OSError as error:
+        # an error about some other file is not ours to explain
+        if error.filename is not None and Path(os.fsdecode(error.filename)) not in (temporary, final):
+            raise
+        reason = error.strerror or str(error)
+        raise OutputError(f"{target}: cannot be written ({reason}); choose another place with -o") from error
+    finally:
+        with suppress(OSError):
+            temporary.unlink()
+
+
+def check_writable(path: str | PathLike[str]) -> None:
+    """Refuse a path that cannot be written, before any work is done for it.
+
+    Raises
+    ------
+    OutputError
+        If the folder is missing or not writable, or ``path`` is a folder or no regular file.
+    """
+    target = Path(path)
+    folder = target.parent
+    if target.is_dir():
+        raise OutputError(f"{target}: is a folder; name a file in it")
+    if target.exists() and not target.is_file():
+        raise OutputError(f"{target}: is not a regular file; name another one")
+    if not folder.is_dir():
+        raise OutputError(f"{target}: there is no folder {folder}; make it first")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise OutputError(f"{target}: the folder {folder} is not writable; choose another place")
+
+
+def _keep_permissions(final: Path, temporary: Path) -> None:
+    if final.exists():
+        temporary.chmod(final.stat().st_mode & 0o777)

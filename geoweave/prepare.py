@@ -1,0 +1,284 @@
+"""From a mesh file, or loose arrays, to the surface of Section 4: what can be mended is, the rest is refused.
+
+Every repair is counted in the report, every refusal names the file, the place and the remedy. No tolerance
+depends on the unit of the model or on where it lies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from os import PathLike
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geoweave import mending
+from geoweave.arrays import Flags, Indices, Triangles, Vectors
+from geoweave.errors import MeshError
+from geoweave.mesh import TriMesh
+from geoweave.reading import read_arrays, shown
+
+Components = Literal["keep", "largest"]
+
+LARGEST_COORDINATE = 1e100
+"""Beyond this, or for a model smaller than its reciprocal, squares of lengths leave double precision."""
+
+_SENTENCES = {
+    "unreferenced_vertices": "dropped {} that no face uses",
+    "welded_vertices": "welded {} to another at the same place",
+    "degenerate_faces": "dropped {} without area",
+    "flipped_edges": "flipped {} to take a face without area away",
+    "duplicate_faces": "dropped {} with the vertices of another",
+    "dropped_components": "left out {} smaller than the largest",
+    "cut_edges": "cut {} shared by more than two faces",
+    "turned_faces": "turned {} over",
+    "split_vertices": "added {} where separate fans of faces met in one",
+    "remeshed_from": "remeshed, from {}",
+}
+_PLURALS = {"vertices": "vertex", "faces": "face", "edges": "edge", "components": "component", "from": "face"}
+
+
+@dataclass(frozen=True)
+class RepairReport:
+    """How often each repair was needed; all zero for a mesh taken as it was.
+
+    Attributes
+    ----------
+    unreferenced_vertices : vertices in no face, dropped
+    welded_vertices : vertices joined with another at the same place
+    degenerate_faces : faces with a repeated vertex or without area, dropped
+    flipped_edges : edges flipped to take a face without area away and leave no slit
+    duplicate_faces : faces with the vertices of another, dropped
+    dropped_components : components left out because only the largest was asked for
+    cut_edges : edges shared by more than two faces, cut apart because that was asked for
+    turned_faces : faces turned over, to agree with their neighbours or to face outwards
+    split_vertices : vertices added where separate fans of faces met in one
+    remeshed_from : number of faces before remeshing; 0 when not remeshed
+    """
+
+    unreferenced_vertices: int = 0
+    welded_vertices: int = 0
+    degenerate_faces: int = 0
+    flipped_edges: int = 0
+    duplicate_faces: int = 0
+    dropped_components: int = 0
+    cut_edges: int = 0
+    turned_faces: int = 0
+    split_vertices: int = 0
+    remeshed_from: int = 0
+
+    def as_dict(self) -> dict[str, int]:
+        """Return the counts by name, zeros too."""
+        return asdict(self)
+
+    def sentences(self) -> list[str]:
+        """Say in words what was done, one entry per kind of repair that was needed."""
+        done = ((key, n) for key, n in self.as_dict().items() if n)
+        return [_SENTENCES[key].format(_number(n, _PLURALS[key.split("_")[1]])) for key, n in done]
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A surface and the report of what was done to get it."""
+
+    mesh: TriMesh
+    report: RepairReport
+
+
+def read_mesh(
+    path: str | PathLike[str], *, components: Components = "keep", cut: bool = False, faces: int | None = None
+) -> Prepared:
+    """Read a mesh file (OBJ, OFF, PLY, STL, or what trimesh reads) and mend it into a surface.
+
+    Parameters
+    ----------
+    path : the file; its extension names the format
+    components : "keep" all connected components, or take the "largest" by area
+    cut : cut the surface apart along edges shared by more than two faces, instead of refusing it
+    faces : remesh isotropically to about this number of triangles
+
+    Raises
+    ------
+    MeshError
+        One line that names the file, the place and the remedy.
+    """
+    raw = read_arrays(path)
+    name = shown(path)
+    prepared = prepare_arrays(raw.vertices, raw.faces, components=components, cut=cut, name=name)
+    return prepared if faces is None else remeshed(prepared, faces)
+
+
+def remeshed(prepared: Prepared, faces: int) -> Prepared:
+    """Remesh isotropically to about the given number of triangles (Section 5.2) and note it in the report."""
+    from geoweave.remesh import isotropic_remesh
+
+    mesh = isotropic_remesh(prepared.mesh, faces)
+    return Prepared(mesh, replace(prepared.report, remeshed_from=prepared.mesh.n_faces))
+
+
+def prepare_arrays(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    *,
+    components: Components = "keep",
+    cut: bool = False,
+    name: str = "mesh",
+) -> Prepared:
+    """Mend (V, 3) points and (F, 3) triangles into a surface; arguments and errors as in `read_mesh`.
+
+    The steps, in order: drop unused vertices, weld, drop degenerate and duplicate faces, choose components,
+    orient, turn closed components outwards, and split vertices in which separate fans of faces meet.
+    """
+    if components not in ("keep", "largest"):
+        raise ValueError(f"components is 'keep' or 'largest', not {components!r}")
+    points, triangles = _checked(np.asarray(vertices), np.asarray(faces), name)
+    count: dict[str, int] = {}
+
+    used = np.unique(triangles)
+    count["unreferenced_vertices"] = len(points) - len(used)
+    triangles = np.searchsorted(used, triangles)
+    points, origin = points[used], used
+    _check_size(points, origin, name)
+
+    triangles = _welded_and_cleaned(points, triangles, count, name)
+    component = mending.face_components(triangles)
+    _check_soup(component, name)
+    if components == "largest":
+        area = np.bincount(component, mending.shapes_of(points, triangles)[1])
+        count["dropped_components"] = len(area) - 1
+        triangles = triangles[component == int(area.argmax())]
+
+    count["cut_edges"] = int((mending.Edges.of(triangles).counts > 2).sum()) if cut else 0
+    added = 0
+    if count["cut_edges"]:
+        points, triangles, origin, added = _separated(points, triangles, origin)
+    _check_edges(points, triangles, origin, name)
+    turned, one_sided = mending.orientation(triangles)
+    if len(one_sided):
+        raise MeshError(
+            f"{name}: {len(one_sided)} faces form a one-sided surface like a Moebius strip (first: face at "
+            f"{_place(points[triangles[one_sided[0]]])}); cut it open across the strip in a mesh editor"
+        )
+    turned ^= mending.inside_out(points, _turned(triangles, turned))
+    count["turned_faces"] = int(turned.sum())
+    points, triangles, _, split = _separated(points, _turned(triangles, turned), origin)
+    count["split_vertices"] = added + split
+    try:
+        mesh = TriMesh(points, triangles)
+    except MeshError as error:
+        raise MeshError(f"{name}: {error}; mend it in a mesh editor") from None
+    return Prepared(mesh, RepairReport(**count))
+
+
+def _separated(
+    points: Vectors, triangles: Triangles, origin: Indices
+) -> tuple[Vectors, Triangles, Indices, int]:
+    """Drop what no face uses and give every fan its own vertex; also returns how many vertices that added."""
+    used, triangles = np.unique(triangles, return_inverse=True)
+    triangles, copies = mending.separated_fans(triangles.reshape(-1, 3))
+    kept = np.concatenate([used, used[copies]])
+    return points[kept], triangles, origin[kept], len(copies)
+
+
+def _turned(triangles: Triangles, which: Flags) -> Triangles:
+    return np.where(which[:, None], triangles[:, [0, 2, 1]], triangles)
+
+
+def _check_edges(points: Vectors, triangles: Triangles, origin: Indices, name: str) -> None:
+    """Refuse edges shared by more than two faces."""
+    edges = mending.Edges.of(triangles)
+    shared = edges.ends[edges.counts > 2]
+    if len(shared):
+        a, b = shared[0]
+        raise MeshError(
+            f"{name}: {_number(len(shared), 'edge')} {'is' if len(shared) == 1 else 'are'} shared by more "
+            f"than two faces (first: vertices {origin[a]}, {origin[b]} at {_place(points[[a, b]])}); "
+            "split them in a mesh editor, or cut the surface apart there with --repair"
+        )
+
+
+def _welded_and_cleaned(points: Vectors, triangles: Triangles, count: dict[str, int], name: str) -> Triangles:
+    """Weld, flip and drop until nothing changes, and add to the counts."""
+    count.update(welded_vertices=0, degenerate_faces=0, flipped_edges=0, duplicate_faces=0)
+    for _ in range(20):
+        size = len(triangles)
+        triangles = triangles[~mending.repeated(triangles)]
+        count["degenerate_faces"] += size - len(triangles)
+        if not len(triangles):
+            break
+        target = mending.coincident(points, triangles)
+        used = np.unique(triangles)
+        welded = int((target[used] != used).sum())
+        count["welded_vertices"] += welded
+        triangles = target[triangles]
+        alike = mending.duplicates(triangles) & ~mending.repeated(triangles)
+        count["duplicate_faces"] += int(alike.sum())
+        triangles = triangles[~alike]
+        triangles, flips = mending.flip_caps(points, triangles)
+        count["flipped_edges"] += flips
+        if not (welded or flips or mending.repeated(triangles).any()):
+            break
+    flat = mending.flat(points, triangles)
+    count["degenerate_faces"] += int(flat.sum())
+    if flat.all():
+        raise MeshError(f"{name}: no face has any area; export the mesh again")
+    return triangles[~flat]
+
+
+def _checked(points: np.ndarray, triangles: np.ndarray, name: str) -> tuple[Vectors, Triangles]:
+    """Refuse arrays that are no points and triangles, and indices that are out of range."""
+    if points.ndim != 2 or points.shape[1] != 3 or points.dtype.kind not in "iuf":
+        raise MeshError(f"{name}: vertices must be numbers of shape (V, 3), not {points.shape}")
+    if not triangles.size:
+        cloud = f"{len(points):,} points and no faces (a point cloud)"
+        raise MeshError(
+            f"{name}: holds {cloud if len(points) else 'no faces'}; build a surface from it first"
+        )
+    if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
+        raise MeshError(f"{name}: faces must be whole numbers of shape (F, 3), not {triangles.shape}")
+    outside = (triangles < 0) | (triangles >= len(points))
+    if outside.any():
+        face = int(np.flatnonzero(outside.any(axis=1))[0])
+        vertex = triangles[face][outside[face]][0]
+        raise MeshError(
+            f"{name}: face {face} names vertex {vertex}, but there are only {len(points)} vertices "
+            f"(0..{len(points) - 1}); export the mesh again"
+        )
+    return points.astype(np.float64), triangles.astype(np.int64)
+
+
+def _check_size(points: Vectors, origin: Indices, name: str) -> None:
+    """Refuse coordinates that are not finite or whose squares overflow, and a model without extent."""
+    bad = ~np.isfinite(points).all(axis=1)
+    if bad.any():
+        raise MeshError(
+            f"{name}: vertex {origin[np.flatnonzero(bad)[0]]} has a coordinate that is not a finite number "
+            f"({int(bad.sum())} such in all); correct or remove them"
+        )
+    if np.abs(points).max() > LARGEST_COORDINATE:
+        raise MeshError(f"{name}: its coordinates reach {np.abs(points).max():.3g}; scale it down first")
+    extent = float(np.ptp(points, axis=0).max())
+    if extent == 0.0:
+        raise MeshError(f"{name}: all vertices lie in one place; export the mesh again")
+    if extent < 1.0 / LARGEST_COORDINATE:
+        raise MeshError(f"{name}: it is only {extent:.3g} long; scale it up first")
+
+
+def _check_soup(component: Indices, name: str) -> None:
+    """Refuse triangles that hang together nowhere."""
+    size = np.bincount(component)
+    single = int((size == 1).sum())
+    if len(component) > 1 and 2 * single > len(component):
+        raise MeshError(
+            f"{name}: {single:,} of its {len(component):,} triangles touch no other (a soup of unconnected "
+            "triangles); merge its vertices by distance in a mesh editor"
+        )
+
+
+def _place(points: Vectors) -> str:
+    return "(" + ", ".join(f"{x:.6g}" for x in points.mean(axis=0)) + ")"
+
+
+def _number(n: int, noun: str) -> str:
+    return f"{n:,} {noun}" if n == 1 else f"{n:,} {'vertice' if noun == 'vertex' else noun}s"
