@@ -1,4 +1,4 @@
-"""A picture of one lit triangle, drawn off-screen: run in a child process to learn whether rendering works here.
+"""A picture of one triangle, drawn off-screen in a child process to learn whether rendering works here.
 
 VTK may end the whole process by a signal where no graphics library is found, so ``geoweave.doctor`` runs
 ``python -m geoweave.viz.probe`` as a child and reads one JSON object from its standard output.
@@ -19,8 +19,8 @@ def draw() -> dict[str, object]:
 
     Returns
     -------
-    ``window`` (VTK's class), ``renderer`` (the driver's own name for itself), ``seconds``, and ``red``, the share
-    of the picture's pixels that are the triangle; a working renderer gives about one tenth or more.
+    ``window`` (VTK's class), ``renderer`` (the driver's own name for itself), ``seconds``, and ``red``, the
+    share of the picture's pixels that are the triangle; a working renderer gives about a fifth.
     """
     started = time.perf_counter()
     triangle = pyvista.PolyData(

@@ -1,0 +1,204 @@
+"""One notebook, executed by papermill in a process of its own, with its time and its memory.
+
+The process that waits learns everything from ``outcome.json``; where that is missing the child has died. A
+child whose parent is gone ends itself, and Jupyter's kernels do the same, so nothing goes on running unseen.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from geoweave import doctor, notebooks
+from geoweave.places import FIGURES_VARIABLE
+
+CELL_TIMEOUT = {"default": 900, "paper": 7200}
+"""Seconds that one cell may take before its notebook counts as failed."""
+
+__all__ = ["CELL_TIMEOUT", "Children", "Outcome", "execute"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How an execution ended.
+
+    Attributes
+    ----------
+    problem : "" for success, else the cell and the last line of its error
+    seconds : wall time
+    peak_mb : peak resident memory of the kernel in MB (10^6 bytes), 0 where the platform does not tell
+    """
+
+    problem: str
+    seconds: float = 0.0
+    peak_mb: float = 0.0
+
+
+class Children:
+    """The processes under way, so that an interruption ends them, and with them their kernels."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._alive: set[subprocess.Popen[str]] = set()
+        self._stopped = False
+
+    def start(self, command: list[str], environment: dict[str, str], log: Path) -> subprocess.Popen[str]:
+        """Start a process that writes to ``log``; after :meth:`stop` none starts any more."""
+        with self._lock:
+            if self._stopped:
+                raise KeyboardInterrupt
+            with log.open("w") as out:
+                child = subprocess.Popen(command, env=environment, stdout=out, stderr=out, text=True)
+            self._alive.add(child)
+            return child
+
+    def ended(self, child: subprocess.Popen[str]) -> None:
+        """Forget a process that has ended."""
+        with self._lock:
+            self._alive.discard(child)
+
+    def stop(self) -> None:
+        """End all of them."""
+        with self._lock:
+            self._stopped = True
+            for child in self._alive:
+                child.terminate()
+
+
+def execute(
+    root: Path,
+    name: str,
+    profile: str,
+    folder: Path,
+    children: Children,
+    advance: Callable[[int], None],
+) -> Outcome:
+    """Execute one notebook into ``folder``: ``executed.ipynb``, and what it publishes under ``figures/``.
+
+    Parameters
+    ----------
+    root : the checkout
+    name, profile : which notebook, with which parameters
+    folder : an empty folder that exists
+    children : the processes under way
+    advance : called about every second with the number of finished code cells
+    """
+    (folder / "figures").mkdir()
+    executed = folder / "executed.ipynb"
+    environment = doctor.rendering_environment()
+    search = filter(None, [str(root), environment.get("PYTHONPATH", "")])
+    environment |= {
+        FIGURES_VARIABLE: str(folder / "figures"),
+        "IPYTHONDIR": str(folder / "ipython"),
+        "JUPYTER_PREFER_ENV_PATH": "1",
+        "PYDEVD_DISABLE_FILE_VALIDATION": "1",
+        "PYTHONHASHSEED": "0",
+        "PYTHONPATH": os.pathsep.join(search),
+    }
+    command = [sys.executable, "-m", "geoweave.execution", str(root), name, profile, str(executed)]
+    child = children.start(command, environment, folder / "log.txt")
+    try:
+        while True:
+            try:
+                child.wait(timeout=1.0)
+                break
+            except subprocess.TimeoutExpired:
+                advance(_cells_done(executed))
+    finally:
+        children.ended(child)
+    outcome = folder / "outcome.json"
+    if not outcome.is_file():
+        last = _last_line((folder / "log.txt").read_text(errors="replace"))
+        return Outcome(f"its process ended with status {child.returncode} ({last})")
+    return Outcome(**json.loads(outcome.read_text()))
+
+
+def _cells_done(executed: Path) -> int:
+    """Cells that papermill has finished, read from the file it keeps writing; 0 if caught half written."""
+    try:
+        cells = json.loads(executed.read_text())["cells"]
+    except (OSError, ValueError):
+        return 0
+    return sum(
+        cell["cell_type"] == "code" and cell["metadata"].get("papermill", {}).get("status") == "completed"
+        for cell in cells
+    )
+
+
+def _last_line(text: str) -> str:
+    return next((line.strip() for line in reversed(text.splitlines()) if line.strip()), "no message")
+
+
+def _peak_mb() -> float:
+    """Peak resident memory of the largest process waited for, in MB; 0 where the platform does not tell."""
+    if platform.system() == "Windows":
+        return 0.0
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    return round(peak * (1 if platform.system() == "Darwin" else 1024) / 1e6, 1)
+
+
+def _end_with_parent() -> None:
+    """End this process by a signal once the one that started it is gone."""
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(2.0)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def main() -> int:
+    """In the child: execute one notebook, and leave ``outcome.json`` beside it."""
+    import papermill
+    from papermill.exceptions import PapermillExecutionError
+
+    parser = argparse.ArgumentParser(prog="python -m geoweave.execution")
+    parser.add_argument("root", type=Path)
+    parser.add_argument("name")
+    parser.add_argument("profile")
+    parser.add_argument("executed", type=Path)
+    task = parser.parse_args()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that nbclient shuts its kernel down
+    if platform.system() != "Windows":
+        _end_with_parent()
+    started = time.perf_counter()
+    problem = ""
+    try:
+        papermill.execute_notebook(
+            notebooks.path_of(task.root, task.name),
+            task.executed,
+            parameters=notebooks.profile_values(task.root, task.name, task.profile),
+            kernel_name="python3",
+            progress_bar=False,
+            cwd=task.root / "notebooks",
+            start_timeout=300,
+            execution_timeout=CELL_TIMEOUT[task.profile],
+        )
+    except PapermillExecutionError as error:
+        problem = f"cell In[{error.exec_count}]: {_last_line(f'{error.ename}: {error.evalue}')}"
+    except Exception as error:  # whatever the kernel died of is told with its notebook's name
+        problem = f"{type(error).__name__}: {_last_line(str(error))}"
+    seconds = round(time.perf_counter() - started, 1)
+    outcome = {"problem": problem, "seconds": seconds, "peak_mb": _peak_mb()}
+    partial = task.executed.with_name("outcome.json.partial")
+    partial.write_text(json.dumps(outcome))
+    partial.replace(task.executed.with_name("outcome.json"))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

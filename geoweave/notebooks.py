@@ -1,0 +1,256 @@
+"""The notebooks as files: parameters, profiles, what they publish, their committed form, the index.
+
+Rules that the runner and the tests hold every notebook to:
+
+- The first code cell is tagged ``parameters`` and assigns literals only; these are the default profile. It
+  holds ``profile = "default"``. Another profile's values stand in ``notebooks/profiles.toml``, one table a
+  notebook (``[paper.fig26_convergence]``); papermill puts them, with ``profile`` itself, after that cell.
+- A figure is published by ``viz.publish("name", ...)`` with a literal name, into
+  ``places.figures_folder(profile)``. The runner points ``GEOWEAVE_FIGURES`` to a folder of its own for
+  each notebook, and copies what it finds there to ``figures/`` once the notebook has come to its end;
+  ``make test`` points it to a folder under ``build/``.
+- Committed notebooks are executed 1..n and hold nothing that changes from one execution to the next.
+"""
+
+from __future__ import annotations
+
+import ast
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import nbformat
+
+from geoweave.errors import GeoweaveError
+
+PROFILES = ("default", "paper")
+
+__all__ = [
+    "PROFILES",
+    "NotebookError",
+    "code_cells",
+    "figures_index",
+    "heading",
+    "names",
+    "parameters",
+    "path_of",
+    "profile_values",
+    "published",
+    "read",
+    "settled",
+]
+
+
+class NotebookError(GeoweaveError):
+    """A notebook that breaks a rule of this module, or that does not exist."""
+
+
+def names(root: Path) -> list[str]:
+    """Names of the notebooks of a checkout, in reading order."""
+    return sorted(path.stem for path in (root / "notebooks").glob("*.ipynb"))
+
+
+def path_of(root: Path, name: str) -> Path:
+    """The file of one notebook.
+
+    Raises
+    ------
+    NotebookError
+        if there is none of that name; the message lists those there are.
+    """
+    path = root / "notebooks" / f"{name}.ipynb"
+    if not path.is_file():
+        raise NotebookError(f"there is no notebook '{name}'; there are: {', '.join(names(root)) or 'none'}")
+    return path
+
+
+def read(path: Path) -> Any:
+    """A notebook as nbformat's mapping.
+
+    Raises
+    ------
+    NotebookError
+        if the file is no notebook of format 4.5, the first whose cells have identifiers.
+    """
+    try:
+        notebook = nbformat.read(path, as_version=nbformat.NO_CONVERT)
+        version = (notebook.nbformat, notebook.nbformat_minor)
+    except (ValueError, KeyError, AttributeError, nbformat.ValidationError) as error:
+        raise NotebookError(f"{path.name} is no Jupyter notebook ({error}); restore it from git") from error
+    if version < (4, 5):
+        raise NotebookError(f"{path.name} has notebook format {version[0]}.{version[1]}: save it as 4.5")
+    return notebook
+
+
+def code_cells(notebook: Any) -> list[Any]:
+    """The code cells, in order."""
+    return [cell for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def parameters(notebook: Any) -> dict[str, Any]:
+    """Names and literal values of the default profile, from the cell tagged ``parameters``.
+
+    Raises
+    ------
+    NotebookError
+        if the first code cell is not that cell, or if it holds anything but ``name = literal``.
+    """
+    cells = code_cells(notebook)
+    if not cells or "parameters" not in cells[0].metadata.get("tags", []):
+        raise NotebookError("the first code cell must be tagged 'parameters'")
+    values: dict[str, Any] = {}
+    for statement in ast.parse(cells[0].source).body:
+        if (
+            not isinstance(statement, ast.Assign)
+            or len(statement.targets) != 1
+            or not isinstance(statement.targets[0], ast.Name)
+        ):
+            raise NotebookError(
+                f"the parameters cell may only hold 'name = literal' (line {statement.lineno})"
+            )
+        try:
+            values[statement.targets[0].id] = ast.literal_eval(statement.value)
+        except ValueError as error:
+            raise NotebookError(f"a parameter must be a literal (line {statement.lineno})") from error
+    return values
+
+
+def profile_values(root: Path, name: str, profile: str) -> dict[str, Any]:
+    """What to put in place of the literals of the parameters cell: nothing for the default profile.
+
+    Raises
+    ------
+    NotebookError
+        if there is no such profile, or if it names a parameter that the notebook does not have.
+    """
+    if profile not in PROFILES:
+        raise NotebookError(f"there is no profile '{profile}'; there are: {', '.join(PROFILES)}")
+    known = parameters(read(path_of(root, name)))
+    if known.get("profile") != "default":
+        raise NotebookError(f'notebooks/{name}.ipynb: the parameters cell must hold profile = "default"')
+    if profile == "default":
+        return {}
+    file = root / "notebooks" / "profiles.toml"
+    tables = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    values: dict[str, Any] = tables.get(profile, {}).get(name, {})
+    unknown = sorted(set(values) - set(known))
+    if unknown:
+        raise NotebookError(
+            f"notebooks/profiles.toml: [{profile}.{name}] sets {', '.join(unknown)}, which its notebook's "
+            f"parameters cell does not have"
+        )
+    return {**values, "profile": profile}
+
+
+def heading(notebook: Any) -> str:
+    """The text of the first heading, "" without one."""
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            for line in cell.source.splitlines():
+                if line.startswith("#"):
+                    return str(line.lstrip("#").strip())
+    return ""
+
+
+def published(notebook: Any) -> list[str]:
+    """Names of the published figures, in order: the literal first argument of every ``publish(...)``.
+
+    Raises
+    ------
+    NotebookError
+        if such an argument is no literal string.
+    """
+    found = []
+    for cell in code_cells(notebook):
+        for node in ast.walk(ast.parse(cell.source)):
+            if not isinstance(node, ast.Call):
+                continue
+            function = node.func
+            called = function.attr if isinstance(function, ast.Attribute) else getattr(function, "id", "")
+            if called != "publish":
+                continue
+            first = node.args[0] if node.args else None
+            if not isinstance(first, ast.Constant) or not isinstance(first.value, str):
+                raise NotebookError(f"publish needs the figure's name as a literal: {ast.unparse(node)}")
+            found.append(first.value)
+    return found
+
+
+def _joined_streams(outputs: list[Any]) -> list[Any]:
+    """Join neighbouring pieces of one stream: where a stream is cut depends on timing alone."""
+    joined: list[Any] = []
+    for output in outputs:
+        last = joined[-1] if joined else None
+        if (
+            last is not None
+            and output.output_type == last.output_type == "stream"
+            and output.name == last.name
+        ):
+            last.text += output.text
+        else:
+            joined.append(output)
+    return joined
+
+
+def settled(source: Any, executed: Any) -> Any:
+    """The source notebook with the outputs of its execution, free of all that changes between executions.
+
+    Kept: cells, their identifiers and tags, outputs, execution counts. Dropped: times, durations, papermill's
+    and the editor's metadata, the version of Python.
+
+    Parameters
+    ----------
+    source : the notebook as it stands in ``notebooks/``
+    executed : the same cells, executed; cells that papermill added are passed over
+    """
+    outputs = {cell.id: cell for cell in code_cells(executed)}
+    result = nbformat.v4.new_notebook(
+        metadata={
+            "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+            "language_info": {"name": "python"},
+        }
+    )
+    result.nbformat_minor = 5
+    for cell in source.cells:
+        tags = cell.metadata.get("tags", [])
+        metadata = {"tags": list(tags)} if tags else {}
+        if cell.cell_type == "code":
+            ran = outputs[cell.id]
+            kept = nbformat.v4.new_code_cell(
+                cell.source, id=cell.id, metadata=metadata, execution_count=ran.execution_count
+            )
+            kept.outputs = _joined_streams(ran.outputs)
+        elif cell.cell_type == "markdown":
+            kept = nbformat.v4.new_markdown_cell(cell.source, id=cell.id, metadata=metadata)
+        else:
+            kept = nbformat.v4.new_raw_cell(cell.source, id=cell.id, metadata=metadata)
+        result.cells.append(kept)
+    return result
+
+
+def figures_index(root: Path) -> str:
+    """Markdown of ``figures/INDEX.md``: every figure there is, with its notebook, profile and numbers."""
+    lines = [
+        "# Figures",
+        "",
+        "Written by `make figures` from the notebooks; not edited by hand.",
+        "",
+        "| figure | what it is | notebook | profile | numbers |",
+        "|---|---|---|---|---|",
+    ]
+    folder = root / "figures"
+    for name in names(root):
+        notebook = read(path_of(root, name))
+        caption = heading(notebook).replace("|", "\\|")
+        for figure in published(notebook):
+            for profile in PROFILES:
+                base = figure if profile == "default" else f"{profile}/{figure}"
+                files = {end: (folder / f"{base}.{end}").is_file() for end in ("png", "csv", "json")}
+                if not any(files.values()):
+                    continue
+                picture = f'<img src="{base}.png" alt="{figure}" width="320">' if files["png"] else figure
+                numbers = ", ".join(f"[{end}]({base}.{end})" for end in ("csv", "json") if files[end])
+                lines.append(
+                    f"| {picture} | {caption} | [{name}](../notebooks/{name}.ipynb) | {profile} | {numbers} |"
+                )
+    return "\n".join(lines) + "\n"

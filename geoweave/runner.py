@@ -1,0 +1,327 @@
+"""From notebooks to figures: what is stale, resumably, with no half-written file.
+
+Each notebook is executed into a temporary folder under ``build/``; only a whole result is renamed to
+``build/notebooks/<profile>/<name>/``, and only then are its figures copied, each by a rename, to
+``figures/``. A result carries the digest of everything it depends on, so a notebook is executed again exactly
+when that digest changes, and an interrupted run goes on with what had not come to its end.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import platform
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import nbformat
+
+from geoweave import doctor, notebooks
+from geoweave.errors import GeoweaveError
+from geoweave.execution import Children, execute
+from geoweave.places import repository
+from geoweave.progress import Progress
+
+UNRELATED = frozenset({"__main__.py", "cli.py", "progress.py", "probe.py"})
+"""Modules that no notebook imports: a change in them leaves every figure as it is."""
+
+TIMES = ("<!-- times: written by make report -->", "<!-- end of times -->")
+"""The lines of REPRODUCING.md between which the table of times stands."""
+
+__all__ = ["Result", "digest", "main", "records", "refresh", "report", "run"]
+
+
+@dataclass(frozen=True)
+class Result:
+    """What became of one notebook.
+
+    Attributes
+    ----------
+    name, profile : which one
+    state : "fresh" (nothing to do), "done" (executed now) or "failed"
+    seconds : wall time of the execution that gave the result
+    peak_mb : peak resident memory of the kernel in MB (10^6 bytes), 0 where the platform does not tell
+    figures : published files, relative to the figures folder, in order
+    problem : for a failure, the cell, the error's last line, and where the failed notebook is kept
+    """
+
+    name: str
+    profile: str
+    state: str
+    seconds: float = 0.0
+    peak_mb: float = 0.0
+    figures: tuple[str, ...] = ()
+    problem: str = ""
+
+    def sentence(self) -> str:
+        """What the progress display says of it."""
+        if self.state == "failed":
+            return f"failed: {self.problem}"
+        if self.state == "fresh":
+            return "up to date"
+        pictures = sum(figure.endswith(".png") for figure in self.figures)
+        return f"done in {self.seconds:.0f} s, {self.peak_mb:.0f} MB, {pictures} picture(s)"
+
+
+def digest(root: Path, name: str, profile: str) -> str:
+    """Digest of everything a notebook's result depends on.
+
+    These are its cells without outputs, the parameters of the profile, the package's source and data, the
+    pinned and the installed versions, Python, the platform, and the named meshes that are at hand.
+    """
+    notebook = notebooks.read(notebooks.path_of(root, name))
+    lock = root / "requirements.lock"
+    facts = {
+        "cells": [[c.cell_type, c.source, list(c.metadata.get("tags", []))] for c in notebook.cells],
+        "profile": profile,
+        "parameters": notebooks.profile_values(root, name, profile),
+        "lock": lock.read_text(encoding="utf-8") if lock.is_file() else "",
+        "versions": {key: value for key, value in doctor.versions().items() if key != "geoweave"},
+        "python": platform.python_version(),
+        "platform": [platform.system(), platform.machine()],
+        "data": doctor.data_states(),
+    }
+    total = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
+    package = root / "geoweave"
+    for path in sorted(package.rglob("*")):
+        if path.is_file() and "__pycache__" not in path.parts and path.name not in UNRELATED:
+            total.update(path.relative_to(package).as_posix().encode() + b"\0")
+            total.update(hashlib.sha256(path.read_bytes()).digest())
+    return total.hexdigest()
+
+
+def run(
+    names: Sequence[str] = (),
+    profile: str = "default",
+    jobs: int = 1,
+    root: Path | None = None,
+    force: bool = False,
+) -> list[Result]:
+    """Bring the figures of the named notebooks (all, if none is named) up to date.
+
+    Parameters
+    ----------
+    names : names of notebooks, without folder and ending
+    profile : "default" or "paper"
+    jobs : notebooks executed at the same time
+    root : the checkout; found from the working directory if not given
+    force : execute also what is fresh
+
+    Returns
+    -------
+    One result for each notebook, in the order of the names. Progress goes to standard error.
+
+    Raises
+    ------
+    NotebookError
+        for an unknown name or profile, or a notebook that breaks the rules; nothing is executed then.
+    """
+    root = repository() if root is None else root.resolve()
+    chosen = list(dict.fromkeys(names)) or notebooks.names(root)
+    keys = {name: digest(root, name, profile) for name in chosen}
+    _drop_leftovers(root)
+    children = Children()
+    with Progress(len(chosen)) as progress:
+
+        def bring(name: str) -> Result:
+            result = None if force else _stored(root, name, profile, keys[name])
+            if result is None:
+                cells = len(notebooks.code_cells(notebooks.read(notebooks.path_of(root, name))))
+                progress.start(name, cells)
+                result = _execute(root, name, profile, keys[name], children, progress)
+            if result.state != "failed":
+                _publish(root, result)
+            progress.finish(name, result.sentence(), failed=result.state == "failed")
+            return result
+
+        with ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
+            tasks = [pool.submit(bring, name) for name in chosen]
+            try:
+                results = [task.result() for task in tasks]
+            except BaseException:
+                children.stop()
+                pool.shutdown(cancel_futures=True)
+                raise
+    _write(root / "figures" / "INDEX.md", notebooks.figures_index(root).encode())
+    return results
+
+
+def refresh(names: Sequence[str] = (), jobs: int = 1, root: Path | None = None) -> list[Result]:
+    """Store the outputs of the default profile in the notebooks of the checkout, executing what is stale."""
+    root = repository() if root is None else root.resolve()
+    results = run(names, "default", jobs, root)
+    for result in results:
+        if result.state == "failed":
+            continue
+        path = notebooks.path_of(root, result.name)
+        executed = notebooks.read(_folder(root, result.name, "default") / "executed.ipynb")
+        settled = notebooks.settled(notebooks.read(path), executed)
+        _write(path, (nbformat.writes(settled) + "\n").encode())
+    return results
+
+
+def records(root: Path) -> list[Result]:
+    """The results that lie in ``build/``, in reading order, the default profile first."""
+    found = []
+    for profile in notebooks.PROFILES:
+        for name in notebooks.names(root):
+            file = _folder(root, name, profile) / "record.json"
+            if file.is_file():
+                found.append(_read_record(file)[1])
+    return found
+
+
+def report(root: Path | None = None) -> int:
+    """Write the table of times and memory of ``build/`` into REPRODUCING.md; returns the number of its rows.
+
+    Raises
+    ------
+    GeoweaveError
+        if nothing has been executed, or if the lines that mark the table are gone.
+    """
+    root = repository() if root is None else root.resolve()
+    rows = records(root)
+    if not rows:
+        raise GeoweaveError("nothing has been executed here: run 'make figures' first")
+    page = root / "REPRODUCING.md"
+    text = page.read_text(encoding="utf-8")
+    begin, end = (text.find(line) for line in TIMES)
+    if begin < 0 or end < begin:
+        raise GeoweaveError(f"REPRODUCING.md must hold the lines '{TIMES[0]}' and '{TIMES[1]}'")
+    table = ["| notebook | profile | seconds | peak memory, MB |", "|---|---|---:|---:|"]
+    table += [f"| {r.name} | {r.profile} | {r.seconds:.0f} | {r.peak_mb:.0f} |" for r in rows]
+    versions = doctor.versions()
+    packages = ", ".join(f"{name} {versions[name]}" for name in ("numpy", "scipy", "vtk", "pyvista"))
+    machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
+    table += ["", f"Measured on {machine}, Python {platform.python_version()}, {packages}."]
+    new = text[:begin] + TIMES[0] + "\n" + "\n".join(table) + "\n" + text[end:]
+    _write(page, new.encode())
+    return len(rows)
+
+
+def _folder(root: Path, name: str, profile: str) -> Path:
+    return root / "build" / "notebooks" / profile / name
+
+
+def _read_record(file: Path) -> tuple[str, Result]:
+    record = json.loads(file.read_text())
+    key = record.pop("key")
+    return key, replace(Result(**record), figures=tuple(record["figures"]))
+
+
+def _stored(root: Path, name: str, profile: str, key: str) -> Result | None:
+    """The stored result, if it was made from the same things and is whole."""
+    folder = _folder(root, name, profile)
+    if not (folder / "record.json").is_file():
+        return None
+    made_from, result = _read_record(folder / "record.json")
+    whole = all((folder / "figures" / figure).is_file() for figure in result.figures)
+    return result if made_from == key and whole else None
+
+
+def _drop_leftovers(root: Path) -> None:
+    """Remove the temporary folders that a killed run left behind more than a day ago."""
+    for path in (root / "build").glob("running-*"):
+        if time.time() - path.stat().st_mtime > 86_400:
+            shutil.rmtree(path, ignore_errors=True)
+
+
+def _execute(root: Path, name: str, profile: str, key: str, children: Children, progress: Progress) -> Result:
+    """Execute one notebook; keep a whole result under its name, or the failed notebook for a look at it."""
+    kept = _folder(root, name, profile).with_name(f"{name}.failed.ipynb")
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    kept.unlink(missing_ok=True)
+    folder = Path(tempfile.mkdtemp(prefix="running-", dir=root / "build"))
+    try:
+        outcome = execute(root, name, profile, folder, children, lambda cells: progress.advance(name, cells))
+        published = folder / "figures"
+        figures = sorted(p.relative_to(published).as_posix() for p in published.rglob("*") if p.is_file())
+        problem = outcome.problem or _misplaced(figures, profile)
+        if problem:
+            if (folder / "executed.ipynb").is_file():
+                (folder / "executed.ipynb").replace(kept)
+                problem += f" (as far as it came: {kept.relative_to(root).as_posix()})"
+            return Result(name, profile, "failed", problem=problem)
+        result = Result(name, profile, "fresh", outcome.seconds, outcome.peak_mb, tuple(figures))
+        (folder / "record.json").write_text(json.dumps({"key": key, **asdict(result)}, indent=1) + "\n")
+        shutil.rmtree(folder / "ipython", ignore_errors=True)
+        shutil.rmtree(_folder(root, name, profile), ignore_errors=True)
+        folder.rename(_folder(root, name, profile))
+        return replace(result, state="done")
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _misplaced(figures: Sequence[str], profile: str) -> str:
+    """A sentence on files published into the folder of another profile, "" if there are none."""
+    prefix = "" if profile == "default" else f"{profile}/"
+    strays = [f for f in figures if f != prefix + f.rpartition("/")[2]]
+    if not strays:
+        return ""
+    return f"{', '.join(strays)} published in profile {profile}: give the profile to publish"
+
+
+def _publish(root: Path, result: Result) -> None:
+    staged = _folder(root, result.name, result.profile) / "figures"
+    for figure in result.figures:
+        _write(root / "figures" / figure, (staged / figure).read_bytes())
+
+
+def _write(path: Path, content: bytes) -> None:
+    """Write a file by a rename, and not at all if it holds the same already."""
+    if path.is_file() and path.read_bytes() == content:
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    temporary = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        temporary.chmod(0o644)
+        temporary.replace(path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """What the Makefile calls; status 1 if a notebook failed, 2 if the request makes no sense here."""
+    parser = argparse.ArgumentParser(prog="python -m geoweave.runner")
+    commands = parser.add_subparsers(dest="command", required=True)
+    figures = commands.add_parser("figures", help="write figures/ from the notebooks that are stale")
+    stored = commands.add_parser("refresh", help="store fresh outputs in notebooks/")
+    commands.add_parser("report", help="write times and memory into REPRODUCING.md")
+    for command in (figures, stored):
+        command.add_argument("names", nargs="*")
+        command.add_argument("--jobs", type=int, default=1)
+    figures.add_argument("--profile", choices=notebooks.PROFILES, default="default")
+    figures.add_argument("--force", action="store_true", help="execute also what is up to date")
+    options = parser.parse_args(arguments)
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that it ends its children, as Ctrl-C does
+    try:
+        if options.command == "report":
+            report()
+            return 0
+        if options.command == "figures":
+            results = run(options.names, options.profile, options.jobs, force=options.force)
+        else:
+            results = refresh(options.names, options.jobs)
+    except GeoweaveError as error:
+        print(f"geoweave: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("geoweave: interrupted; the same command goes on where this one stopped", file=sys.stderr)
+        return 130
+    return 1 if any(result.state == "failed" for result in results) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
