@@ -97,11 +97,13 @@ def integrated_curl(field: FaceField) -> Scalars:
     mesh = field.mesh
     jump = edge_curl(field)
     i, j = mesh.edge_faces[mesh.interior_edges].T
-    return np.bincount(i, jump, mesh.n_faces) + np.bincount(j, jump, mesh.n_faces)
+    return np.bincount(i, weights=jump, minlength=mesh.n_faces) + np.bincount(
+        j, weights=jump, minlength=mesh.n_faces
+    )
 
 
 def signed_curl(field: FaceField) -> Scalars:
-    """Curl of each face, ``(1 / A_i) sum over j of (w_j - w_i) . e_ij`` (Appendix B.1); unit: field / length."""
+    """Curl of each face, ``(1 / A_i) sum over j of (w_j - w_i) . e_ij`` (Appendix B.1), field / length."""
     return integrated_curl(field) / field.mesh.face_areas
 
 

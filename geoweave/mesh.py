@@ -91,7 +91,8 @@ class TriMesh:
         self._check_edges()
         flat = self.face_areas <= SMALLEST_ASPECT * self.edge_lengths[self.face_edges].max(axis=1) ** 2
         if flat.any():
-            raise MeshError(f"{int(flat.sum())} faces have no area (first: face {int(np.flatnonzero(flat)[0])})")
+            first = int(np.flatnonzero(flat)[0])
+            raise MeshError(f"{int(flat.sum())} faces have no area (first: face {first})")
         fans = self._fan_counts()
         if (fans > 1).any():
             first = int(np.flatnonzero(fans > 1)[0])
@@ -104,7 +105,8 @@ class TriMesh:
         if (counts > 2).any():
             a, b = self.edges[np.flatnonzero(counts > 2)[0]]
             raise MeshError(
-                f"{int((counts > 2).sum())} edges are shared by more than two faces (first: vertices {a}, {b})"
+                f"{int((counts > 2).sum())} edges are shared by more than two faces "
+                f"(first: vertices {a}, {b})"
             )
         if clash.any():
             a, b = self.edges[np.flatnonzero(clash)[0]]
@@ -346,7 +348,9 @@ class TriMesh:
 
         On the boundary this is the discrete geodesic curvature of the loop, and the sum is 2 pi chi.
         """
-        around = np.bincount(self.faces.ravel(), weights=self.corner_angles.ravel(), minlength=self.n_vertices)
+        around = np.bincount(
+            self.faces.ravel(), weights=self.corner_angles.ravel(), minlength=self.n_vertices
+        )
         return frozen(np.where(self.boundary_vertices, np.pi, 2.0 * np.pi) - around)
 
     # -- tangent vectors --------------------------------------------------------------------------------

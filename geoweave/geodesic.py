@@ -1,0 +1,269 @@
+"""Discrete geodesic fields: Algorithm 1 on the reduced system (Sections 4.1.1 to 4.1.3, Appendix B)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from geoweave.arrays import Complexes, Scalars
+from geoweave.errors import FieldError
+from geoweave.fields import FaceField, Handles, unit
+from geoweave.linalg import Factorization, Ordering, factorized, nested_dissection
+from geoweave.mesh import TriMesh
+from geoweave.operators import ClosedFields, as_complex, as_real
+
+Acceleration: TypeAlias = Literal["momentum", "none"]
+"""How a step of Algorithm 1 starts: at the last field, or past it (DEVIATIONS.md, momentum)."""
+
+SHARPENING_START = 0.02
+"""First smoothness of the default schedule, in squared bounding radii."""
+
+SHARPENING_END = 5e-3
+"""Last smoothness of the default schedule, in squared mean edge lengths."""
+
+
+def sharpening_schedule(mesh: TriMesh, levels: int = 4) -> tuple[float, ...]:
+    """Smoothness weights from coarse to fine, a geometric sequence ("sharpening", Section 4.1.2).
+
+    From 0.02 R^2, R the bounding radius, to 0.005 h^2, h the mean edge length: first the field settles as
+    a whole, then its curl gathers on points and lines. The values were chosen by measurement
+    (DEVIATIONS.md, sharpening).
+
+    Returns
+    -------
+    (levels,) lambda, unit length^2
+    """
+    radius = float(np.linalg.norm(mesh.vertices - mesh.vertices.mean(axis=0), axis=1).max())
+    first, last = SHARPENING_START * radius**2, SHARPENING_END * mesh.mean_edge**2
+    return tuple(float(value) for value in np.geomspace(max(first, last), last, levels))
+
+
+@dataclass(frozen=True)
+class Step:
+    """One step of Algorithm 1, as the progress callback and the history see it.
+
+    Attributes
+    ----------
+    smoothness : lambda, unit length^2
+    energy : 1/2 |delta|^2 + lambda/2 |grad(w + delta)|^2 after the step (Eq. 5), unit length^2
+    change : root mean square of |w - previous w| over the surface
+    """
+
+    smoothness: float
+    energy: float
+    change: float
+
+
+Callback: TypeAlias = Callable[[Step, FaceField], None]
+"""Called after every step of Algorithm 1 with the step and the unit field it reached."""
+
+
+@dataclass(frozen=True, eq=False)
+class GeodesicSolve:
+    """A discrete geodesic field and how Algorithm 1 came to it.
+
+    Attributes
+    ----------
+    initial : the unit field it started from
+    field : the unit field w
+    delta : the perturbation of Eq. 4, ``C (w + delta) = 0``, parallel to w and zero on handles
+    steps : every step, in order; within one smoothness the energy never rises
+    converged : whether the last smoothness ended by the stopping test, not by its number of steps
+    """
+
+    initial: FaceField
+    field: FaceField
+    delta: FaceField
+    steps: tuple[Step, ...]
+    converged: bool
+
+    @property
+    def iterations(self) -> int:
+        """Number of steps of Algorithm 1."""
+        return len(self.steps)
+
+    @property
+    def energies(self) -> Scalars:
+        """(iterations,) energy after each step; comparable where the smoothness is the same."""
+        return np.array([step.energy for step in self.steps])
+
+
+class ClosedProjection:
+    """The delta step of Algorithm 1: the closed field nearest to w, and smooth (Eq. 9 without multipliers).
+
+    ``v = argmin 1/2 |v - w|^2 + lambda/2 |grad v|^2`` over all closed fields ``v = B x``, with ``v = w`` on
+    the handles; the normal equations ``B' (M + lambda L) B x = B' M w`` are factored once.
+
+    Parameters
+    ----------
+    fields : the closed fields of the mesh
+    smoothness : lambda >= 0, unit length^2
+    ordering : of `ordering_of(fields)`; the same for every smoothness
+    handles : faces where v is prescribed
+
+    Raises
+    ------
+    FieldError
+        If the smoothness is negative, or no closed field takes the handles' values.
+    """
+
+    def __init__(
+        self, fields: ClosedFields, smoothness: float, ordering: Ordering, handles: Handles | None = None
+    ) -> None:
+        if not smoothness >= 0:
+            raise FieldError(f"the smoothness must not be negative, not {smoothness}")
+        self.fields = fields
+        self.smoothness = smoothness
+        self._mass = np.repeat(fields.mesh.face_areas, 2)
+        self._factors = factorized(fields.mass + smoothness * fields.smoothness, ordering)
+        self._pins = _Pins(fields, self._factors, handles) if handles is not None else None
+
+    def __call__(self, w: Complexes) -> tuple[Complexes, float]:
+        """Return the closed field v nearest to w, (F,), and the energy of Eq. 5 at ``delta = v - w``."""
+        x = self._factors.solve(self.fields.basis_transposed @ (self._mass * as_real(w)))
+        if self._pins is not None:
+            x = self._pins.impose(x)
+        v = as_complex(self.fields.basis @ x)
+        if self._pins is not None:
+            v = self._pins.exact(v)
+        distance = float(self.fields.mesh.face_areas @ np.abs(v - w) ** 2)
+        roughness = float(x @ (self.fields.smoothness @ x)) if self.smoothness else 0.0
+        return v, 0.5 * distance + 0.5 * self.smoothness * roughness
+
+
+class _Pins:
+    """Handles as equality constraints ``B_H x = w^H`` on a factored system, through its Schur complement."""
+
+    def __init__(self, fields: ClosedFields, factors: Factorization, handles: Handles) -> None:
+        rows = (2 * handles.faces[:, None] + np.arange(2)).ravel()
+        self._handles = handles
+        self._constraint = fields.basis[rows]
+        self._values = as_real(handles.values)
+        self._response = factors.solve(self._constraint.T.toarray())
+        schur = self._constraint @ self._response
+        # Touching handle faces share an edge, so some constraints repeat others: a pseudo-inverse.
+        size, axes = np.linalg.eigh(schur)
+        kept = size > 1e-11 * size[-1]
+        self._inverse = (axes[:, kept] / size[kept]) @ axes[:, kept].T
+        misfit = np.abs(schur @ (self._inverse @ self._values) - self._values).reshape(-1, 2).max(axis=1)
+        if misfit.max() > 1e-6:
+            raise FieldError(
+                f"the handle on face {int(handles.faces[misfit.argmax()])} contradicts its neighbours: no "
+                "curl-free field takes their values (across a shared edge both must have the same "
+                "projection on it); turn it or leave it out"
+            )
+
+    def impose(self, x: Scalars) -> Scalars:
+        excess = self._values - self._constraint @ x
+        return x + self._response @ (self._inverse @ excess)
+
+    def exact(self, v: Complexes) -> Complexes:
+        v = v.copy()
+        v[self._handles.faces] = self._handles.values
+        return v
+
+
+def ordering_of(fields: ClosedFields) -> Ordering:
+    """Elimination order of ``B' (M + lambda L) B`` for every lambda: potentials, then generators."""
+    free = len(fields.free_vertices)
+    return nested_dissection(fields.smoothness[:free, :free]).with_last(fields.basis.shape[1] - free)
+
+
+def geodesic_field(
+    initial: FaceField,
+    *,
+    smoothness: Sequence[float] | None = None,
+    iterations: int = 25,
+    tolerance: float = 1e-4,
+    handles: Handles | None = None,
+    acceleration: Acceleration = "momentum",
+    callback: Callback | None = None,
+) -> GeodesicSolve:
+    """Compute a discrete geodesic field by Algorithm 1.
+
+    Minimises ``1/2 |delta|^2 + lambda/2 |grad(w + delta)|^2`` subject to ``C (w + delta) = 0``, ``|w_i| = 1``
+    and ``w_i = w_i^H``, ``delta_i = 0`` on the handles (Eq. 5), by turns in delta and in w, while lambda
+    falls (Section 4.1.2). Each step lowers the energy.
+
+    Parameters
+    ----------
+    initial : start field, scaled to unit length
+    smoothness : values of lambda, unit length^2, one after the other; `sharpening_schedule` by default
+    iterations : most steps per value of lambda; the last one gets twice as many
+    tolerance : a value of lambda is done when the root mean square change of w is below this
+    handles : faces with prescribed directions
+    acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
+    callback : called after every step with the `Step` and the field
+
+    Returns
+    -------
+    GeodesicSolve
+
+    Raises
+    ------
+    FieldError
+        If a smoothness is negative, there is none, or the handles contradict one another.
+    """
+    mesh = initial.mesh
+    schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
+    if not schedule or iterations < 1:
+        raise FieldError("Algorithm 1 needs at least one smoothness and one iteration")
+    fields = ClosedFields(mesh)
+    ordering = ordering_of(fields)
+    start = initial.normalized()
+    w = start.values if handles is None else _with_handles(start.values, handles)
+    steps: list[Step] = []
+    converged = False
+    for level, weight in enumerate(schedule):
+        project = ClosedProjection(fields, weight, ordering, handles)
+        limit = iterations if level < len(schedule) - 1 else 2 * iterations
+        w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback)
+    return GeodesicSolve(start, FaceField(mesh, w), FaceField(mesh, v - w), tuple(steps), converged)
+
+
+def _alternate(
+    project: ClosedProjection,
+    w: Complexes,
+    limit: int,
+    tolerance: float,
+    acceleration: Acceleration,
+    steps: list[Step],
+    callback: Callback | None,
+) -> tuple[Complexes, Complexes, bool]:
+    """Algorithm 1 at one smoothness: w, its closed field v = w + delta, and whether w stood still."""
+    mesh = project.fields.mesh
+    v, energy = project(w)
+    previous, momentum = w, 1.0
+    for _ in range(limit):
+        plain = unit(v)
+        trial = plain
+        if acceleration == "momentum":
+            # Nesterov's sequence: go on in the direction of the last step.
+            following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum**2))
+            trial = unit(plain + (momentum - 1.0) / following * (plain - previous))
+            momentum = following
+        trial_v, trial_energy = project(trial)
+        if trial_energy > energy and trial is not plain:
+            # The safeguard: a plain step cannot raise the energy.
+            trial, momentum = plain, 1.0
+            trial_v, trial_energy = project(trial)
+        if trial_energy > energy:
+            # Only rounding is left to gain: the field is stationary to working precision.
+            return w, v, True
+        change = float(np.sqrt(np.average(np.abs(trial - w) ** 2, weights=mesh.face_areas)))
+        previous, w, v, energy = plain, trial, trial_v, trial_energy
+        steps.append(Step(project.smoothness, energy, change))
+        if callback is not None:
+            callback(steps[-1], FaceField(mesh, w))
+        if change < tolerance:
+            return w, v, True
+    return w, v, False
+
+
+def _with_handles(values: Complexes, handles: Handles) -> Complexes:
+    values = values.copy()
+    values[handles.faces] = handles.values
+    return values

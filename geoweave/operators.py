@@ -1,0 +1,285 @@
+"""The discrete operators of Appendix B, and the closed fields they act on (Section 4.1).
+
+Every Laplacian here is positive semi-definite. Fields enter real matrices as `as_real`: the two
+coordinates of each face's vector, interleaved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
+from geoweave.mesh import TriMesh
+
+
+def as_real(values: Complexes) -> Scalars:
+    """View (F,) complex vectors as (2F,) real coordinates, interleaved."""
+    return np.ascontiguousarray(values).view(np.float64)
+
+
+def as_complex(coordinates: Scalars) -> Complexes:
+    """View (2F,) interleaved real coordinates as (F,) complex vectors."""
+    return np.ascontiguousarray(coordinates).view(np.complex128)
+
+
+def curl(mesh: TriMesh) -> sparse.csr_array:
+    """Discrete curl C, interior edges x face fields (Eq. 3).
+
+    Row ij is the jump of the field's projection on the shared edge, ``(w_j - w_i) . e_ij``, so
+    ``C @ v == 0`` exactly when the field is locally a gradient.
+
+    Returns
+    -------
+    (E_int, 2F) sparse, acting on ``as_real(field)``; unit: length x field.
+    """
+    sides = mesh.edge_halfedges[mesh.interior_edges]
+    vectors = mesh.halfedge_vectors.ravel()[sides]
+    count = len(sides)
+    rows = np.repeat(np.arange(count), 4)
+    columns = (2 * (sides // 3)[:, :, None] + np.arange(2)).ravel()
+    # Along the edge for face i, against it for face j: both half-edges enter with the same sign.
+    entries = -np.stack([vectors.real, vectors.imag], axis=2).ravel()
+    return sparse.csr_array((entries, (rows, columns)), shape=(count, 2 * mesh.n_faces))
+
+
+def sharp(mesh: TriMesh) -> sparse.csr_array:
+    """The face field whose circulation along the edges of each face is given, (2F, E).
+
+    On a closed 1-form (one whose values along the sides of every face sum to zero) the result ``v``
+    satisfies ``v . e = omega(e)`` on all three sides, and its curl vanishes.
+    """
+    # With omega summing to zero, v = (1 / 6A) J sum_k (omega_{k+1} - omega_{k+2}) h_k, J a quarter turn.
+    h = mesh.halfedge_vectors
+    weights = 1j * (h[:, [2, 0, 1]] - h[:, [1, 2, 0]]) / (6.0 * mesh.face_areas[:, None])
+    weights = weights * mesh.face_edge_signs
+    rows = np.broadcast_to(np.arange(2 * mesh.n_faces).reshape(-1, 1, 2), (mesh.n_faces, 3, 2)).ravel()
+    columns = np.repeat(mesh.face_edges.ravel(), 2)
+    entries = np.stack([weights.real, weights.imag], axis=2).ravel()
+    return sparse.csr_array((entries, (rows, columns)), shape=(2 * mesh.n_faces, mesh.n_edges))
+
+
+def differences(mesh: TriMesh) -> sparse.csr_array:
+    """The exterior derivative d of vertex functions, (E, V): end less start of each edge."""
+    rows = np.repeat(np.arange(mesh.n_edges), 2)
+    entries = np.tile([-1.0, 1.0], mesh.n_edges)
+    return sparse.csr_array((entries, (rows, mesh.edges.ravel())), shape=(mesh.n_edges, mesh.n_vertices))
+
+
+def gradient(mesh: TriMesh) -> sparse.csr_array:
+    """Gradient G of piecewise linear functions, (2F, V): exact on linear functions; unit: 1 / length."""
+    # grad f = sum_k f_k J h_k / 2A, with h_k the half-edge opposite corner k, J a quarter turn.
+    weights = 1j * mesh.halfedge_vectors / (2.0 * mesh.face_areas[:, None])
+    rows = np.broadcast_to(np.arange(2 * mesh.n_faces).reshape(-1, 1, 2), (mesh.n_faces, 3, 2)).ravel()
+    entries = np.stack([weights.real, weights.imag], axis=2).ravel()
+    return sparse.csr_array(
+        (entries, (rows, np.repeat(mesh.faces.ravel(), 2))), shape=(2 * mesh.n_faces, mesh.n_vertices)
+    )
+
+
+def face_mass(mesh: TriMesh) -> sparse.dia_array:
+    """Inner product of functions on faces, M_F: (F, F) diagonal of face areas."""
+    return sparse.diags_array(mesh.face_areas)
+
+
+def field_mass(mesh: TriMesh) -> sparse.dia_array:
+    """Inner product of face fields, M^v_F: (2F, 2F) diagonal of face areas, each twice."""
+    return sparse.diags_array(np.repeat(mesh.face_areas, 2))
+
+
+def dual_weights(mesh: TriMesh) -> Scalars:
+    """Weight ``|e| / |e*| = 1.5 |e|^2 / (A_i + A_j)`` of each interior edge, (E_int,), always positive.
+
+    The paper's reciprocal cotan weight (Appendix B) is infinite on right-angled pairs and negative on
+    obtuse ones; this barycentric dual equals it on equilateral triangles (DEVIATIONS.md, dual-weights).
+    """
+    i, j = mesh.edge_faces[mesh.interior_edges].T
+    lengths = mesh.edge_lengths[mesh.interior_edges]
+    return 1.5 * lengths**2 / (mesh.face_areas[i] + mesh.face_areas[j])
+
+
+def face_laplacian(mesh: TriMesh) -> sparse.csr_array:
+    """Laplacian of functions on faces, L_F, (F, F), positive semi-definite (Appendix B)."""
+    i, j = mesh.edge_faces[mesh.interior_edges].T
+    weights = dual_weights(mesh)
+    off = sparse.coo_array((weights, (i, j)), shape=(mesh.n_faces,) * 2)
+    diagonal = np.bincount(i, weights, mesh.n_faces) + np.bincount(j, weights, mesh.n_faces)
+    return sparse.csr_array(sparse.diags_array(diagonal) - (off + off.T))
+
+
+def connection_laplacian(mesh: TriMesh, degree: int = 1) -> sparse.csr_array:
+    """Laplacian of face fields (degree 1) or of N-RoSy fields, (F, F) Hermitian positive semi-definite.
+
+    ``conj(u) @ L @ u = sum over ij of weight_ij |T_{j<-i} u_i - u_j|^2``, the Dirichlet energy of
+    Appendix B, with the transport raised to the power ``degree``.
+    """
+    i, j = mesh.edge_faces[mesh.interior_edges].T
+    weights = dual_weights(mesh)
+    off = sparse.coo_array((weights * mesh.transport**degree, (j, i)), shape=(mesh.n_faces,) * 2)
+    diagonal = np.bincount(i, weights, mesh.n_faces) + np.bincount(j, weights, mesh.n_faces)
+    return sparse.csr_array(sparse.diags_array(diagonal) - (off + off.conj().T))
+
+
+def dirichlet_energy(mesh: TriMesh, values: Complexes) -> float:
+    """Dirichlet energy ``sum over ij of weight_ij |T_{j<-i} u_i - u_j|^2`` of a face field (Appendix B)."""
+    i, j = mesh.edge_faces[mesh.interior_edges].T
+    return float(dual_weights(mesh) @ np.abs(mesh.transport * values[i] - values[j]) ** 2)
+
+
+def transport_differences(mesh: TriMesh) -> sparse.csr_array:
+    """``T_{j<-i} u_i - u_j`` over each interior edge as a real matrix, (2 E_int, 2F).
+
+    With the dual weights W repeated twice, ``D.T @ W @ D`` is the real form of `connection_laplacian`.
+    """
+    i, j = mesh.edge_faces[mesh.interior_edges].T
+    count = len(i)
+    turn = mesh.transport
+    rows = (2 * np.arange(count)[:, None] + [0, 0, 0, 1, 1, 1]).ravel()
+    columns = np.stack([2 * i, 2 * i + 1, 2 * j, 2 * i, 2 * i + 1, 2 * j + 1], axis=1).ravel()
+    minus = np.full(count, -1.0)
+    entries = np.stack([turn.real, -turn.imag, minus, turn.imag, turn.real, minus], axis=1).ravel()
+    return sparse.csr_array((entries, (rows, columns)), shape=(2 * count, 2 * mesh.n_faces))
+
+
+def harmonic_generators(mesh: TriMesh) -> sparse.csc_array:
+    """One closed 1-form per class of the first cohomology, (E, beta_1), by tree and cotree.
+
+    A spanning tree of the vertices and, disjoint from it, a breadth-first spanning tree of the faces,
+    rooted outside the surface where it has a boundary (one root joins all loops) and at any face where
+    it is closed. Each edge in neither carries a form: 1 on the edge, and the imbalance of its two faces
+    pushed up the dual tree. The forms are closed (they sum to zero around every face), and no
+    combination of them is exact. Their number is 2 g for a closed component and 1 - chi for one with a
+    boundary.
+
+    Entries are +1 and -1, along the edge's direction.
+    """
+    n_faces, n_edges = mesh.n_faces, mesh.n_edges
+    in_tree = _spanning_tree(mesh)
+    outer = n_faces + mesh.face_components
+    i, j = mesh.edge_faces.T
+    across = np.where(j < 0, outer[i], j)
+    free = np.flatnonzero(~in_tree)
+    parent_edge, parent = _dual_tree(mesh, free, i[free], across[free])
+    in_cotree = np.zeros(n_edges, dtype=bool)
+    in_cotree[parent_edge[parent_edge >= 0]] = True
+    generators = np.flatnonzero(~in_tree & ~in_cotree)
+    count = len(generators)
+
+    rows, columns, entries = [generators], [np.arange(count)], [np.ones(count)]
+    for start, sign in ((i[generators], 1.0), (across[generators], -1.0)):
+        # The form adds `sign` to the sum around the start face; walking up, each parent edge cancels it
+        # there and hands it on to the next face, until the root swallows it.
+        walker, label = start, np.arange(count)
+        while len(walker):
+            climbing = parent_edge[walker] >= 0
+            walker, label = walker[climbing], label[climbing]
+            edge = parent_edge[walker]
+            along = np.where(i[edge] == walker, 1.0, -1.0)
+            rows.append(edge)
+            columns.append(label)
+            entries.append(-sign * along)
+            walker = parent[walker]
+    forms = sparse.coo_array(
+        (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))), shape=(n_edges, count)
+    ).tocsc()
+    forms.sum_duplicates()
+    forms.eliminate_zeros()
+    return forms
+
+
+def _spanning_tree(mesh: TriMesh) -> Flags:
+    """(E,) whether the edge belongs to a spanning forest of the vertices."""
+    # Minimal spanning forest of distinct weights: scipy keeps the weight, which names the edge.
+    names = np.arange(1.0, mesh.n_edges + 1.0)
+    graph = sparse.csr_array((names, tuple(mesh.edges.T)), shape=(mesh.n_vertices,) * 2)
+    tree = csgraph.minimum_spanning_tree(graph)
+    chosen = np.zeros(mesh.n_edges, dtype=bool)
+    chosen[tree.data.astype(np.int64) - 1] = True
+    return chosen
+
+
+def _dual_tree(mesh: TriMesh, edges: Indices, i: Indices, j: Indices) -> tuple[Indices, Indices]:
+    """Breadth-first forest over faces and outer nodes across the given edges: parent edge and parent."""
+    n_nodes = mesh.n_faces + mesh.n_components
+    graph = sparse.coo_array((np.ones(len(edges), dtype=np.int8), (i, j)), shape=(n_nodes,) * 2)
+    bounded = np.unique(mesh.face_components[mesh.edge_faces[mesh.boundary_edges, 0]])
+    roots = np.unique(mesh.face_components, return_index=True)[1]
+    roots[bounded] = mesh.n_faces + bounded
+    # One more node joined to every root makes a single breadth-first search serve all components.
+    hub = np.full(len(roots), n_nodes)
+    joined = sparse.csr_array(
+        (
+            np.ones(len(edges) + len(roots), dtype=np.int8),
+            (np.concatenate([graph.coords[0], hub]), np.concatenate([graph.coords[1], roots])),
+        ),
+        shape=(n_nodes + 1,) * 2,
+    )
+    _, parent = csgraph.breadth_first_order(joined, n_nodes, directed=False)
+    parent = np.where(parent[:n_nodes] == n_nodes, -1, parent[:n_nodes]).astype(np.int64)
+    # Of several edges between the same two nodes (many lead outside) one is the tree's.
+    low, high = np.minimum(i, j), np.maximum(i, j)
+    key = low * (n_nodes + 1) + high
+    distinct, first = np.unique(key, return_index=True)
+    child = np.flatnonzero(parent >= 0)
+    wanted = np.minimum(child, parent[child]) * (n_nodes + 1) + np.maximum(child, parent[child])
+    parent_edge = np.full(n_nodes, -1, dtype=np.int64)
+    parent_edge[child] = edges[first[np.searchsorted(distinct, wanted)]]
+    return parent_edge, parent
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedFields:
+    """All curl-free fields of a mesh, without a constraint: ``v = B x`` with ``B = [G | H]``.
+
+    The columns of B span the kernel of the curl C exactly: gradients of vertex functions, one vertex of
+    each component pinned to zero, and one field for each class of the first cohomology. The paper
+    imposes ``C v = 0`` with a multiplier per edge (Appendix B); here it holds by construction
+    (DEVIATIONS.md, reduced-system).
+
+    Attributes
+    ----------
+    mesh : the surface
+    """
+
+    mesh: TriMesh
+
+    @cached_property
+    def free_vertices(self) -> Indices:
+        """Vertices that are not pinned; one vertex of each component is."""
+        pinned = np.unique(self.mesh.vertex_components, return_index=True)[1]
+        return frozen(np.delete(np.arange(self.mesh.n_vertices), pinned))
+
+    @cached_property
+    def generators(self) -> sparse.csc_array:
+        """(E, beta_1) the closed 1-forms of `harmonic_generators`."""
+        return harmonic_generators(self.mesh)
+
+    @cached_property
+    def basis(self) -> sparse.csr_array:
+        """B, (2F, V - c + beta_1): the free vertices' gradients, then the generators' fields."""
+        gradients = gradient(self.mesh)[:, self.free_vertices]
+        if not self.generators.shape[1]:
+            return sparse.csr_array(gradients)
+        fields = sharp(self.mesh) @ self.generators
+        return sparse.hstack([gradients, fields], format="csr")
+
+    @cached_property
+    def basis_transposed(self) -> sparse.csr_array:
+        """B', in row order, for right-hand sides."""
+        return self.basis.T.tocsr()
+
+    @cached_property
+    def mass(self) -> sparse.csr_array:
+        """``B' M B``: on the gradients this is the cotan Laplacian."""
+        return sparse.csr_array(self.basis_transposed @ field_mass(self.mesh) @ self.basis)
+
+    @cached_property
+    def smoothness(self) -> sparse.csr_array:
+        """``B' L B``: the Dirichlet energy of v = B x."""
+        jumps = transport_differences(self.mesh) @ self.basis
+        weights = sparse.diags_array(np.repeat(dual_weights(self.mesh), 2))
+        return sparse.csr_array(jumps.T @ weights @ jumps)
