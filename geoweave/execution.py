@@ -18,6 +18,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 
 from geoweave import doctor, notebooks
 from geoweave.places import FIGURES_VARIABLE
@@ -25,7 +26,7 @@ from geoweave.places import FIGURES_VARIABLE
 CELL_TIMEOUT = {"default": 900, "paper": 7200}
 """Seconds that one cell may take before its notebook counts as failed."""
 
-__all__ = ["CELL_TIMEOUT", "Children", "Outcome", "execute"]
+__all__ = ["CELL_TIMEOUT", "Children", "Outcome", "execute", "interrupt_once"]
 
 
 @dataclass(frozen=True)
@@ -55,10 +56,12 @@ class Children:
     def start(self, command: list[str], environment: dict[str, str], log: Path) -> subprocess.Popen[str]:
         """Start a process that writes to ``log``; after :meth:`stop` none starts any more."""
         with self._lock:
-            if self._stopped:
-                raise KeyboardInterrupt
+            self.refuse()
             with log.open("w") as out:
-                child = subprocess.Popen(command, env=environment, stdout=out, stderr=out, text=True)
+                # In a session of its own Ctrl-C does not reach it: the process that waits ends it in order.
+                child = subprocess.Popen(
+                    command, env=environment, stdout=out, stderr=out, text=True, start_new_session=True
+                )
             self._alive.add(child)
             return child
 
@@ -68,11 +71,22 @@ class Children:
             self._alive.discard(child)
 
     def stop(self) -> None:
-        """End all of them."""
+        """End all of them, in ten seconds if they will, and let none start any more."""
         with self._lock:
             self._stopped = True
             for child in self._alive:
                 child.terminate()
+            deadline = time.monotonic() + 10.0
+            for child in self._alive:
+                try:
+                    child.wait(timeout=max(0.0, deadline - time.monotonic()))
+                except subprocess.TimeoutExpired:
+                    child.kill()
+
+    def refuse(self) -> None:
+        """Raise KeyboardInterrupt once :meth:`stop` was called."""
+        if self._stopped:
+            raise KeyboardInterrupt
 
 
 def execute(
@@ -105,8 +119,10 @@ def execute(
         "PYTHONHASHSEED": "0",
         "PYTHONPATH": os.pathsep.join(search),
     }
-    command = [sys.executable, "-m", "geoweave.execution", str(root), name, profile, str(executed)]
-    child = children.start(command, environment, folder / "log.txt")
+    task = [str(root), name, profile, str(executed), str(os.getpid())]
+    child = children.start(
+        [sys.executable, "-m", "geoweave.execution", *task], environment, folder / "log.txt"
+    )
     try:
         while True:
             try:
@@ -116,11 +132,24 @@ def execute(
                 advance(_cells_done(executed))
     finally:
         children.ended(child)
+    children.refuse()
     outcome = folder / "outcome.json"
     if not outcome.is_file():
         last = _last_line((folder / "log.txt").read_text(errors="replace"))
         return Outcome(f"its process ended with status {child.returncode} ({last})")
     return Outcome(**json.loads(outcome.read_text()))
+
+
+def interrupt_once() -> None:
+    """Let SIGINT and SIGTERM raise KeyboardInterrupt, the first time only: tidying up is not interrupted."""
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, handle)
+    signal.signal(signal.SIGTERM, handle)
 
 
 def _cells_done(executed: Path) -> int:
@@ -149,9 +178,8 @@ def _peak_mb() -> float:
     return round(peak * (1 if platform.system() == "Darwin" else 1024) / 1e6, 1)
 
 
-def _end_with_parent() -> None:
+def _end_with(parent: int) -> None:
     """End this process by a signal once the one that started it is gone."""
-    parent = os.getppid()
 
     def watch() -> None:
         while os.getppid() == parent:
@@ -171,10 +199,11 @@ def main() -> int:
     parser.add_argument("name")
     parser.add_argument("profile")
     parser.add_argument("executed", type=Path)
+    parser.add_argument("parent", type=int)
     task = parser.parse_args()
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that nbclient shuts its kernel down
+    interrupt_once()  # so that nbclient shuts its kernel down
     if platform.system() != "Windows":
-        _end_with_parent()
+        _end_with(task.parent)
     started = time.perf_counter()
     problem = ""
     try:
@@ -183,6 +212,7 @@ def main() -> int:
             task.executed,
             parameters=notebooks.profile_values(task.root, task.name, task.profile),
             kernel_name="python3",
+            language="python",
             progress_bar=False,
             cwd=task.root / "notebooks",
             start_timeout=300,

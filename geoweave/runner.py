@@ -14,7 +14,6 @@ import json
 import os
 import platform
 import shutil
-import signal
 import sys
 import tempfile
 import time
@@ -27,7 +26,7 @@ import nbformat
 
 from geoweave import doctor, notebooks
 from geoweave.errors import GeoweaveError
-from geoweave.execution import Children, execute
+from geoweave.execution import Children, execute, interrupt_once
 from geoweave.places import repository
 from geoweave.progress import Progress
 
@@ -305,7 +304,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     figures.add_argument("--profile", choices=notebooks.PROFILES, default="default")
     figures.add_argument("--force", action="store_true", help="execute also what is up to date")
     options = parser.parse_args(arguments)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # so that it ends its children, as Ctrl-C does
+    interrupt_once()
     try:
         if options.command == "report":
             report()
