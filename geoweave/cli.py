@@ -21,11 +21,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from geoweave.errors import GeoweaveError, MeshError, RenderError
+from geoweave.errors import GeoweaveError, RenderError
 
 if TYPE_CHECKING:
     from geoweave.fields import FaceField
-    from geoweave.geodesic import GeodesicSolve
+    from geoweave.geodesic import GeodesicSolve, Step
     from geoweave.mesh import TriMesh
     from geoweave.prepare import Components, Prepared
 
@@ -130,7 +130,7 @@ def info(
         check_format(output)
         _check_output(output, name)
     with _status() as say:
-        prepared = _read(name, components, repair, faces, say)
+        prepared = _remeshed(_read(name, components, repair, say), faces, name, say)
         if output is not None:
             say(f"writing {output}")
             write_mesh(prepared.mesh, output)
@@ -192,14 +192,22 @@ def field(
     seconds: dict[str, float] = {}
     with _status() as say:
         with _timed(seconds, "read"):
-            prepared = _read(name, components, repair, faces, say)
-            mesh, _ = prepared.mesh.normalized()
+            prepared = _read(name, components, repair, say)
+        if faces is not None:
+            with _timed(seconds, "remesh"):
+                prepared = _remeshed(prepared, faces, name, say)
+        mesh, _ = prepared.mesh.normalized()
         say("finding the smoothest field")
         with _timed(seconds, "smoothest"):
             initial = smoothest_field(mesh, seed=seed)
-        say("Algorithm 1")
+        done: list[Step] = []
+
+        def follow(step: Step, _: FaceField) -> None:
+            done.append(step)
+            say(f"Algorithm 1: step {len(done)}, smoothness {step.smoothness:.2g}, energy {step.energy:.6g}")
+
         with _timed(seconds, "geodesic"):
-            solve = geodesic_field(initial)
+            solve = geodesic_field(initial, callback=follow)
         if output is not None:
             say(f"writing {output}")
             with _timed(seconds, "write"):
@@ -214,7 +222,8 @@ def field(
         "boundary_loops": len(mesh.boundary_loops),
         "total_curl": {"before": total_curl(initial), "after": total_curl(solve.field)},
         "singularities": _singularities(mesh, initial, solve.field),
-        "iterations": int(solve.iterations),
+        "iterations": len(solve.steps),
+        "converged": solve.converged,
         "seed": seed,
         "seconds": {key: round(value, 4) for key, value in seconds.items()},
         "repairs": prepared.report.as_dict(),
@@ -324,25 +333,26 @@ def doctor(as_json: bool) -> NoReturn:
     raise click.exceptions.Exit(0 if diagnosis.rendering.works else 1)
 
 
-def _read(name: str, components: Components, repair: bool, faces: int | None, say: Say) -> Prepared:
+def _read(name: str, components: Components, repair: bool, say: Say) -> Prepared:
     """Read a file, or a data set where no file has that name."""
-    from geoweave.prepare import prepare_arrays, read_mesh, remeshed
+    from geoweave.prepare import prepare_arrays, read_mesh
 
     say(f"reading {name}")
     if os.path.lexists(name) or not _is_dataset(name):
-        prepared = read_mesh(name, components=components, cut=repair)
-    else:
-        from geoweave import datasets
+        return read_mesh(name, components=components, cut=repair)
+    from geoweave import datasets
 
-        mesh = datasets.load(name)
-        prepared = prepare_arrays(mesh.vertices, mesh.faces, components=components, name=name)
+    mesh = datasets.load(name)
+    return prepare_arrays(mesh.vertices, mesh.faces, components=components, name=name)
+
+
+def _remeshed(prepared: Prepared, faces: int | None, name: str, say: Say) -> Prepared:
     if faces is None:
         return prepared
+    from geoweave.prepare import remeshed
+
     say(f"remeshing {name} to {faces:,} triangles")
-    try:
-        return remeshed(prepared, faces)
-    except MeshError as error:
-        raise MeshError(f"{name}: {error}") from None
+    return remeshed(prepared, faces, name=name)
 
 
 def _is_dataset(name: str) -> bool:

@@ -55,7 +55,7 @@ def read_obj(data: bytes) -> RawMesh:
     counts = np.array([len(name) for name in names], dtype=np.int64)
     if (counts < 3).any():
         line = _line(text, polygons[int(np.flatnonzero(counts < 3)[0])].start())
-        raise MeshError(f"line {line}: a face needs three vertices or more; the file may be cut short")
+        raise MeshError(f"line {line}: a face needs three vertices or more")
     corners = _integers(names, lambda row: _line(text, polygons[row].start()))
     seen = np.searchsorted([match.start() for match in points], [match.start() for match in polygons])
     before = np.repeat(seen, counts)  # a relative index counts back from the last vertex above its line
@@ -88,7 +88,7 @@ def read_off(data: bytes) -> RawMesh:
     if n_vertices < 0 or n_faces < 0 or len(body) < 1 + n_vertices + n_faces:
         raise MeshError(
             f"it announces {n_vertices} vertices and {n_faces} faces, but has {len(body) - 1} lines "
-            "for them; it is cut short"
+            "for them (cut short)"
         )
     points, polygons = body[1 : 1 + n_vertices], body[1 + n_vertices : 1 + n_vertices + n_faces]
     vertices = _coordinates([line.split()[:3] for _, line in points], lambda row: points[row][0])
@@ -99,8 +99,8 @@ def read_off(data: bytes) -> RawMesh:
     if (counts < 3).any() or (present < counts).any():
         row = int(np.flatnonzero((counts < 3) | (present < counts))[0])
         raise MeshError(
-            f"line {polygons[row][0]}: a face announces {counts[row]} vertices and names {present[row]}; "
-            "a face needs three or more"
+            f"line {polygons[row][0]}: a face announces {counts[row]} vertices and names {present[row]}, "
+            "and it needs three or more"
         )
     names = [word[1 : 1 + count] for word, count in zip(words, counts.tolist(), strict=True)]
     corners = _integers(names, lambda row: polygons[row][0])
@@ -126,7 +126,7 @@ def read_stl(data: bytes) -> RawMesh:
 
 def _read_stl_text(text: bytes) -> RawMesh:
     if b"endsolid" not in text[text.rfind(b"facet") :]:
-        raise MeshError("it ends before the line 'endsolid'; it is cut short")
+        raise MeshError("it ends before the line 'endsolid' (cut short)")
     rows = [words.split() for words in re.findall(rb"\bvertex\b([^\r\n]*)", text)]
     facets = len(re.findall(rb"\bfacet\s+normal\b", text))
     if len(rows) != 3 * facets:

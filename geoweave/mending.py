@@ -19,6 +19,9 @@ from geoweave.mesh import SMALLEST_ASPECT
 FLAT = 2.0 * SMALLEST_ASPECT
 """A face is flat when its area is at most this share of its longest edge squared; stricter than `TriMesh`."""
 
+ROUNDING = 4 * float(np.finfo(np.float64).eps)
+"""Share of its coordinates by which a vertex can be off its place; it matters far from the origin."""
+
 COINCIDENT = 1e-7
 """Open vertices closer than this share of the model, or of a flat face's longest edge, are one vertex.
 
@@ -96,9 +99,11 @@ def shapes_of(vertices: Vectors, faces: Triangles) -> tuple[Scalars, Scalars]:
 
 
 def flat(vertices: Vectors, faces: Triangles) -> Flags:
-    """(F,) faces without area."""
+    """(F,) faces without area, or with no more than the rounding of their coordinates could make."""
     lengths, areas = shapes_of(vertices, faces)
-    return np.asarray(areas <= FLAT * lengths.max(axis=1, initial=0.0) ** 2)
+    longest = lengths.max(axis=1, initial=0.0)
+    rounding = ROUNDING * np.abs(vertices[faces]).max(axis=(1, 2), initial=0.0)
+    return np.asarray(areas <= (FLAT * longest + rounding) * longest)
 
 
 def coincident(vertices: Vectors, faces: Triangles) -> Indices:
@@ -112,9 +117,9 @@ def coincident(vertices: Vectors, faces: Triangles) -> Indices:
     size = float(np.linalg.norm(np.ptp(vertices[faces.ravel()], axis=0)))
     pairs = [_close_pairs(vertices, open_vertices, COINCIDENT * size)]
 
-    lengths, areas = shapes_of(vertices, faces)
-    longest, shortest = lengths.max(axis=1), lengths.argmin(axis=1)
-    needle = (areas <= FLAT * longest**2) & (lengths.min(axis=1) <= COINCIDENT * longest)
+    lengths, _ = shapes_of(vertices, faces)
+    shortest = lengths.argmin(axis=1)
+    needle = flat(vertices, faces) & (lengths.min(axis=1) <= COINCIDENT * lengths.max(axis=1))
     corners = faces[needle]
     rows = np.arange(len(corners))
     k = shortest[needle]

@@ -51,7 +51,7 @@ def read_ply(data: bytes) -> RawMesh:
         elif element.name == "face":
             corners, counts = source.polygons(element)
         elif element.name == "tristrips" and element.rows:
-            raise MeshError("it holds triangle strips; save it with single faces")
+            raise MeshError("it holds triangle strips, which are not read")
         else:
             source.skip(element)
     if vertices is None:
@@ -128,7 +128,7 @@ class _Tokens:
         if least > len(self.units) - self.at:
             raise MeshError(
                 f"it announces {element.rows} of '{element.name}', which need {least} {self.unit}, "
-                f"but {len(self.units) - self.at} are left; it is cut short"
+                f"but {len(self.units) - self.at} are left (cut short)"
             )
 
     def points(self, element: _Element) -> Vectors:
@@ -171,7 +171,7 @@ class _Tokens:
             self.units, self.at, element.rows, sizes, wanted, self.big_endian
         )
         if self.at < 0:
-            raise MeshError(f"it ends inside the element '{element.name}'; it is cut short")
+            raise MeshError(f"it ends inside the element '{element.name}' (cut short)")
         return starts, counts
 
 

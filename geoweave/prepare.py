@@ -21,8 +21,8 @@ from geoweave.reading import read_arrays, shown
 
 Components = Literal["keep", "largest"]
 
-LARGEST_COORDINATE = 1e100
-"""Beyond this, or for a model smaller than its reciprocal, squares of lengths leave double precision."""
+LARGEST_COORDINATE = 1e60
+"""Beyond this, or for a model smaller than its reciprocal, squares of areas leave double precision."""
 
 _SENTENCES = {
     "unreferenced_vertices": "dropped {} that no face uses",
@@ -106,14 +106,17 @@ def read_mesh(
     raw = read_arrays(path)
     name = shown(path)
     prepared = prepare_arrays(raw.vertices, raw.faces, components=components, cut=cut, name=name)
-    return prepared if faces is None else remeshed(prepared, faces)
+    return prepared if faces is None else remeshed(prepared, faces, name=name)
 
 
-def remeshed(prepared: Prepared, faces: int) -> Prepared:
+def remeshed(prepared: Prepared, faces: int, *, name: str = "mesh") -> Prepared:
     """Remesh isotropically to about the given number of triangles (Section 5.2) and note it in the report."""
     from geoweave.remesh import isotropic_remesh
 
-    mesh = isotropic_remesh(prepared.mesh, faces)
+    try:
+        mesh = isotropic_remesh(prepared.mesh, faces)
+    except MeshError as error:
+        raise MeshError(f"{name}: {error}") from None
     return Prepared(mesh, replace(prepared.report, remeshed_from=prepared.mesh.n_faces))
 
 

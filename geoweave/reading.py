@@ -6,7 +6,8 @@ import logging
 import stat
 import warnings
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from io import StringIO
 from os import PathLike
 from pathlib import Path
 
@@ -51,12 +52,12 @@ def read_arrays(path: str | PathLike[str]) -> RawMesh:
         text = str(error)
         if text.startswith(f"{name}: "):
             raise
-        raise MeshError(f"{name}: cannot be read as {kind.upper()}: {text}") from None
+        raise MeshError(f"{name}: cannot be read as {kind.upper()}: {text}; export the mesh again") from None
     except OSError as error:
         reason = _brief(error.strerror or error)
         raise MeshError(f"{name}: cannot be read ({reason}); check the file and its permissions") from None
-    except Exception as error:
-        # readers of foreign formats raise whatever their parser stumbles over
+    except (Exception, SystemExit) as error:
+        # readers of foreign formats raise whatever their parser stumbles over, and one of them exits
         reason = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         raise MeshError(
             f"{name}: cannot be read as {kind.upper()} ({_brief(reason)}); export the mesh again"
@@ -109,11 +110,11 @@ def _read_with_trimesh(file: Path) -> RawMesh:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep a reader's log lines and warnings off the screen; one that means lost data becomes an error."""
+    """Keep what a reader logs, prints or warns of off the screen; a warning of lost data becomes an error."""
     logger = logging.getLogger("trimesh")
     disabled, logger.disabled = logger.disabled, True
     try:
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), redirect_stdout(StringIO()), redirect_stderr(StringIO()):
             warnings.simplefilter("ignore")
             # numpy stops at the first word that is no number, and only warns about it
             warnings.filterwarnings("error", message=".*could not be read to its end.*")

@@ -1,0 +1,102 @@
+import numpy as np
+import pytest
+from meshfiles import encode, octahedron
+
+from geoweave.errors import MeshError
+from geoweave.formats import fan_triangles, read_obj, read_off, read_stl
+
+
+def test_fan_triangles_of_mixed_polygons():
+    corners = np.array([7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8])
+    triangles = fan_triangles(corners, np.array([3, 5, 4]))
+    expected = [[7, 8, 9], [0, 1, 2], [0, 2, 3], [0, 3, 4], [5, 6, 7], [5, 7, 8]]
+    assert triangles.tolist() == expected
+
+
+@pytest.mark.parametrize(("kind", "reader"), [("obj", read_obj), ("off", read_off)])
+def test_text_formats_keep_every_digit(kind, reader):
+    points, faces = octahedron()
+    points = points * np.pi + 1e6 / 3
+    raw = reader(encode(kind, points, faces))
+    np.testing.assert_array_equal(raw.vertices, points)
+    np.testing.assert_array_equal(raw.faces, faces)
+
+
+@pytest.mark.parametrize("kind", ["stl", "stl-text"])
+def test_stl_has_three_vertices_per_triangle(kind):
+    points, faces = octahedron()
+    raw = read_stl(encode(kind, points, faces))
+    np.testing.assert_array_equal(raw.vertices[raw.faces], points[faces])
+    assert len(raw.vertices) == 3 * len(faces)
+
+
+def test_a_binary_stl_may_begin_with_solid():
+    data = b"solid of a program that does not care" + encode("stl", *octahedron())[37:]
+    assert len(read_stl(data).faces) == 8
+
+
+def test_obj_relative_indices_count_from_their_own_line():
+    text = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf -3 -2 -1\n"
+    assert read_obj(text).faces.tolist() == [[0, 1, 2], [3, 4, 5]]
+
+
+def test_obj_texture_normals_comments_continuation_and_line_ends():
+    text = (
+        b"# made by hand\r\nmtllib nothing.mtl\r\nv 0 0 0 0.5 0.5 0.5\r\nv 1 0 0 # second\r\nv 1 1 0\r\n"
+        b"v 0 1 0\r\nvt 0 0\r\nvt 1 1\r\nvn 0 0 1\r\nusemtl red\r\nf 1/1/1 2/2/1 3/1/1\r\nusemtl blue\r\n"
+        b"f 1//1 3//1 \\\r\n 4//1\r\nl 1 2\r\n"
+    )
+    raw = read_obj(text)
+    # texture seams and materials leave the surface in one piece
+    assert raw.faces.tolist() == [[0, 1, 2], [0, 2, 3]]
+    assert raw.vertices.shape == (4, 3)
+
+
+def test_off_with_counts_on_the_first_line_comments_and_colours():
+    text = b"COFF 4 2 0 # counts\n\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n1 1 0 1 1 1 1\n# rest\n0 1 0 1 1 1 1\n"
+    text += b"4 0 1 2 3 9 9 9\n3 0 1 2\n"
+    raw = read_off(text)
+    assert raw.faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
+    assert raw.vertices[3].tolist() == [0, 1, 0]
+
+
+@pytest.mark.parametrize(
+    ("reader", "text", "message"),
+    [
+        (read_obj, b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", "line 4: a face names vertex 0"),
+        (read_obj, b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", "line 4: a face names vertex 4"),
+        (read_obj, b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n", "line 4: a face names vertex -4"),
+        (read_obj, b"v 0 0 0\nv 1 0\nf 1 2 2\n", "line 2: a vertex needs three numbers, not '1 0'"),
+        (read_obj, b"v 0 0 0\nv 1 0 x\nf 1 2 2\n", "line 2: a vertex needs three numbers, not '1 0 x'"),
+        (read_obj, b"v 0 0 0\nf 1 1.5 1\n", "line 2: a face needs whole numbers"),
+        (read_obj, b"v 0 0 0\nf 1 1\n", "line 2: a face needs three vertices"),
+        (read_obj, b"f 1 2 3\n", "no vertex lines"),
+        (read_off, b"OFF\n2 1 0\n0 0 0\n1 0 0\n", "announces 2 vertices and 1 faces"),
+        (read_off, b"OFF\n-1 1 0\n0 0 0\n1 0 0\n", "announces -1 vertices"),
+        (
+            read_off,
+            b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n",
+            "line 6: a face announces 3 vertices and names 2",
+        ),
+        (read_off, b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n", "line 6: a face announces 2"),
+        (read_off, b"OFF\nvertices\n", "numbers of vertices and faces are missing"),
+        (read_off, b"OFF BINARY\n", "binary OFF"),
+        (read_off, b"PFF\n3 1 0\n", "does not begin with the word OFF"),
+        (read_stl, b"solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n", "endsolid"),
+        (
+            read_stl,
+            b"solid x\nfacet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nendsolid\n",
+            "1 facets, but 2 vertices",
+        ),
+        (
+            read_stl,
+            bytes(80) + b"\x02\0\0\0" + bytes(50),
+            "announces 2 triangles (184 bytes), but the file has 134",
+        ),
+        (read_stl, b"short", "shorter than the header"),
+    ],
+)
+def test_refusals_name_the_line(reader, text, message):
+    with pytest.raises(MeshError) as caught:
+        reader(text)
+    assert message in str(caught.value)

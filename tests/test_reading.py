@@ -1,0 +1,176 @@
+import json
+import logging
+import os
+import struct
+import sys
+
+import numpy as np
+import pytest
+from meshfiles import FORMATS, encode, hostile, octahedron, sphere, write
+
+from geoweave.errors import MeshError
+from geoweave.prepare import read_mesh
+from geoweave.reading import read_arrays, shown
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_every_format_gives_the_same_triangles(kind, tmp_path):
+    points, faces = octahedron()
+    raw = read_arrays(write(tmp_path, "mesh", kind, points, faces))
+    np.testing.assert_array_equal(raw.vertices[raw.faces], points[faces])
+
+
+def glb(points, faces, placements):
+    """A binary glTF file of one mesh, placed several times."""
+    corners, indices = points.astype("<f4").tobytes(), faces.astype("<u4").tobytes()
+    scene = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": list(range(len(placements)))}],
+        "nodes": [{"mesh": 0, "translation": list(place)} for place in placements],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "buffers": [{"byteLength": len(corners) + len(indices)}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": len(corners)},
+            {"buffer": 0, "byteOffset": len(corners), "byteLength": len(indices)},
+        ],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": len(points), "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5125, "count": faces.size, "type": "SCALAR"},
+        ],
+    }
+    text = json.dumps(scene).encode()
+    text += b" " * (-len(text) % 4)
+    body = corners + indices
+    chunks = (
+        struct.pack("<II", len(text), 0x4E4F534A) + text + struct.pack("<II", len(body), 0x004E4942) + body
+    )
+    return struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks
+
+
+def test_a_scene_of_another_format_is_laid_out_in_space(tmp_path):
+    points, faces = octahedron()
+    path = tmp_path / "two.glb"
+    path.write_bytes(glb(points, faces, [(0, 0, 0), (5, 0, 0)]))
+    raw = read_arrays(path)
+    assert len(raw.faces) == 16
+    places = raw.vertices[raw.faces].reshape(2, 24, 3).mean(axis=1)
+    np.testing.assert_allclose(sorted(places.tolist()), [[0, 0, 0], [5, 0, 0]], atol=1e-6)
+    assert read_mesh(path).mesh.n_components == 2
+
+
+def test_whatever_a_reader_raises_prints_or_logs_becomes_one_sentence(tmp_path, monkeypatch, capfd):
+    import trimesh
+
+    path = tmp_path / "mesh.glb"
+    path.write_bytes(b"glTF")
+
+    def fails(error):
+        def load(*_, **__):
+            print("noise")
+            print("noise", file=sys.stderr)
+            logging.getLogger("trimesh").error("noise")
+            raise error
+
+        return load
+
+    errors = (ValueError("two\nlines"), IndexError(), MemoryError("x" * 500), RecursionError(), SystemExit(1))
+    for error in errors:
+        monkeypatch.setattr(trimesh, "load_scene", fails(error))
+        with pytest.raises(MeshError, match="cannot be read as GLB") as caught:
+            read_arrays(path)
+        assert len(str(caught.value).splitlines()) == 1
+        assert len(str(caught.value)) < 250 + len(str(path))
+    monkeypatch.setattr(trimesh, "load_scene", fails(KeyboardInterrupt()))
+    with pytest.raises(KeyboardInterrupt):
+        read_arrays(path)
+    assert capfd.readouterr() == ("", "")
+
+
+def test_hostile_files_each_give_one_sentence(tmp_path):
+    cases = hostile(tmp_path)
+    assert len(cases) > 70
+    for label, (path, word) in cases.items():
+        with pytest.raises(MeshError) as caught:
+            read_mesh(path)
+        text = str(caught.value)
+        assert text.startswith(f"{path}: "), label
+        assert word in text, (label, text)
+        assert ";" in text, (label, "names no remedy", text)
+        assert len(text.splitlines()) == 1, label
+
+
+def test_a_pipe_a_device_and_a_link_to_itself(tmp_path):
+    pipe = tmp_path / "pipe.obj"
+    os.mkfifo(pipe)
+    device = tmp_path / "null.obj"
+    device.symlink_to("/dev/null")
+    for path in (pipe, device):
+        with pytest.raises(MeshError, match="not a regular file"):
+            read_arrays(path)
+    loop = tmp_path / "loop.obj"
+    loop.symlink_to(loop)
+    with pytest.raises(MeshError, match="cannot be opened"):
+        read_arrays(loop)
+
+
+def test_names_of_any_kind(tmp_path):
+    points, faces = octahedron()
+    for name in (
+        "with space.obj",
+        "Größe – 形.off",
+        "~tilde.obj",
+        "{brace}.off",
+        "http:x.obj",
+        "UPPER.OBJ",
+        "a.b.stl",
+    ):
+        kind = name.rsplit(".", 1)[1].lower()
+        (tmp_path / name).write_bytes(encode(kind, points, faces))
+        assert len(read_arrays(tmp_path / name).faces) == 8
+    link = tmp_path / "link.obj"
+    link.symlink_to("UPPER.OBJ")
+    assert len(read_arrays(link).faces) == 8
+
+
+def test_a_name_is_shown_on_one_line():
+    assert shown("a\nb\x1b[31m\udc80.obj") == "a?b?[31m?.obj"
+    with pytest.raises(MeshError, match=r"^a\?b.obj: there is no such file"):
+        read_arrays("a\nb.obj")
+    with pytest.raises(MeshError, match="no such file"):
+        read_arrays("a\0b.obj")
+
+
+def mutated(data, rng):
+    data = bytearray(data)
+    for _ in range(rng.integers(1, 6)):
+        at = int(rng.integers(0, max(1, len(data))))
+        match int(rng.integers(0, 4)):
+            case 0:
+                data[at : at + 1] = bytes([rng.integers(0, 256)])
+            case 1:
+                del data[at : at + int(rng.integers(1, 40))]
+            case 2:
+                words = [b"0", b"-", b"\n", b"nan", b"e99", b" ", b"\0", b"999999999", b"1e999", b"/"]
+                data[at:at] = words[rng.integers(0, len(words))]
+            case 3:
+                del data[at : at + (10**9 if rng.random() < 0.3 else 1)]
+    return bytes(data)
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_damaged_files_are_read_or_refused(kind, tmp_path):
+    rng = np.random.default_rng(sum(kind.encode()))
+    whole = encode(kind, *sphere(1))
+    path = tmp_path / f"mesh.{FORMATS[kind]}"
+    refused = []
+    for _ in range(150):
+        path.write_bytes(mutated(whole, rng))
+        try:
+            mesh = read_mesh(path).mesh
+        except MeshError as error:
+            refused.append(str(error))
+        else:
+            assert np.isfinite(mesh.face_areas).all()
+    assert all(text.startswith(f"{path}: ") and len(text.splitlines()) == 1 for text in refused)
+    assert 30 < len(refused) < 150
