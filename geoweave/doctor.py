@@ -203,7 +203,7 @@ def examine() -> Diagnosis:
         ordering = "SuperLU, ordered by METIS nested dissection"
     else:
         ordering = "SuperLU, ordered by minimum degree (slower on large meshes)"
-        advice.append("for faster factorisations: pip install pymetis (conda install pymetis on Windows)")
+        advice.append("for faster factorisations: pip install pymetis (Linux, macOS), or the pymetis of conda-forge")
     fetchable = [name for name, state in data.items() if state == "fetchable"]
     if fetchable:
         advice.append(f"for PROFILE=paper: geoweave fetch {' '.join(fetchable)}")
