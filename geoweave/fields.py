@@ -96,10 +96,9 @@ def integrated_curl(field: FaceField) -> Scalars:
     """
     mesh = field.mesh
     jump = edge_curl(field)
-    i, j = mesh.edge_faces[mesh.interior_edges].T
-    return np.bincount(i, weights=jump, minlength=mesh.n_faces) + np.bincount(
-        j, weights=jump, minlength=mesh.n_faces
-    )
+    sides = mesh.edge_faces[mesh.interior_edges]
+    both = np.bincount(sides.ravel(), weights=np.repeat(jump, 2), minlength=mesh.n_faces)
+    return np.asarray(both, dtype=np.float64)
 
 
 def signed_curl(field: FaceField) -> Scalars:

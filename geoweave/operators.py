@@ -218,8 +218,8 @@ def _dual_tree(mesh: TriMesh, edges: Indices, i: Indices, j: Indices) -> tuple[I
         ),
         shape=(n_nodes + 1,) * 2,
     )
-    _, parent = csgraph.breadth_first_order(joined, n_nodes, directed=False)
-    parent = np.where(parent[:n_nodes] == n_nodes, -1, parent[:n_nodes]).astype(np.int64)
+    _, found = csgraph.breadth_first_order(joined, n_nodes, directed=False)
+    parent: Indices = np.where(found[:n_nodes] == n_nodes, -1, found[:n_nodes]).astype(np.int64)
     # Of several edges between the same two nodes (many lead outside) one is the tree's.
     low, high = np.minimum(i, j), np.maximum(i, j)
     key = low * (n_nodes + 1) + high
