@@ -38,6 +38,8 @@ PACKAGES = (
 APT_LINE = "sudo apt-get install libegl1 libgl1-mesa-dri"
 """What a Debian or Ubuntu machine needs for VTK to draw without a screen."""
 
+PROBE = ("-m", "geoweave.viz.probe")
+
 __all__ = [
     "APT_LINE",
     "PACKAGES",
@@ -132,14 +134,15 @@ def _remedy() -> str:
     return "run it from a session with a graphical desktop, or update the graphics driver"
 
 
-def try_rendering(timeout: float = 120.0) -> Rendering:
+def try_rendering(timeout: float = 120.0, probe: Sequence[str] = PROBE) -> Rendering:
     """Draw one triangle in a child process; a crash or a hang there is an answer, never an accident here.
 
     Parameters
     ----------
     timeout : seconds after which the child counts as hanging
+    probe : what the child runs, as arguments of this Python
     """
-    command = [sys.executable, "-m", "geoweave.viz.probe"]
+    command = [sys.executable, *probe]
     try:
         child = subprocess.run(
             command, capture_output=True, text=True, timeout=timeout, env=rendering_environment(), check=False
@@ -203,7 +206,9 @@ def examine() -> Diagnosis:
         ordering = "SuperLU, ordered by METIS nested dissection"
     else:
         ordering = "SuperLU, ordered by minimum degree (slower on large meshes)"
-        advice.append("for faster factorisations: pip install pymetis (Linux, macOS), or the pymetis of conda-forge")
+        advice.append(
+            "for faster factorisations: pip install pymetis (Linux, macOS), or the pymetis of conda-forge"
+        )
     fetchable = [name for name, state in data.items() if state == "fetchable"]
     if fetchable:
         advice.append(f"for PROFILE=paper: geoweave fetch {' '.join(fetchable)}")

@@ -22,7 +22,7 @@ class Progress:
     """
 
     def __init__(self, total: int, console: Console | None = None) -> None:
-        self._console = Console(stderr=True, highlight=False) if console is None else console
+        self._console = Console(stderr=True) if console is None else console
         self._total = total
         self._ended = 0
         self._tasks: dict[str, TaskID] = {}
@@ -65,6 +65,6 @@ class Progress:
             if name in self._tasks:
                 self._bars.remove_task(self._tasks.pop(name))
             count = f"[{self._ended}/{self._total}]"
-            self._console.print(
-                f"{count} {name}: {sentence}", style="red" if failed else None, markup=False, soft_wrap=True
-            )
+            style = "red" if failed else None
+            line = f"{count} {name}: {sentence}"
+            self._console.print(line, style=style, markup=False, highlight=False, soft_wrap=True)
