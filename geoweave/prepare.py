@@ -210,7 +210,7 @@ def _welded_and_cleaned(points: Vectors, triangles: Triangles, count: dict[str, 
         count["degenerate_faces"] += size - len(triangles)
         if not len(triangles):
             break
-        target = mending.coincident(points, triangles)
+        target = _weld_targets(points, triangles)
         used = np.unique(triangles)
         welded = int((target[used] != used).sum())
         count["welded_vertices"] += welded
@@ -227,6 +227,23 @@ def _welded_and_cleaned(points: Vectors, triangles: Triangles, count: dict[str, 
     if flat.all():
         raise MeshError(f"{name}: no face has any area; export the mesh again")
     return triangles[~flat]
+
+
+def _weld_targets(points: Vectors, triangles: Triangles) -> Indices:
+    """(V,) vertex that each one is welded to; a file's own connectivity is not made worse by it.
+
+    Sheets that touch along an edge, each with its own vertices, are a surface as they are. Only a soup, such
+    as any STL file, has no connectivity of its own: there an edge of three faces is a fault to be told.
+    """
+    target = mending.coincident(points, triangles)
+    single = np.bincount(mending.face_components(triangles)) == 1
+    if 2 * single.sum() > len(triangles) or (mending.Edges.of(triangles).counts > 2).any():
+        return target
+    welded = target[triangles]
+    welded = welded[~mending.repeated(welded) & ~mending.duplicates(welded)]
+    edges = mending.Edges.of(welded)
+    apart = np.isin(target, edges.ends[edges.counts > 2])
+    return np.where(apart, np.arange(len(target)), target)
 
 
 def _checked(points: np.ndarray, triangles: np.ndarray, name: str) -> tuple[Vectors, Triangles]:

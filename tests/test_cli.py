@@ -1,0 +1,318 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from meshfiles import hostile, moebius_strip, octahedron, sheet, sphere, write
+
+from geoweave import cli
+from geoweave.fields import FaceField, edge_curl, total_curl
+from geoweave.mesh import TriMesh
+
+
+@pytest.fixture
+def run(capfd):
+    """Run the command in this process: exit status, stdout, stderr."""
+
+    def command(*arguments):
+        status = cli.main([str(argument) for argument in arguments])
+        out, err = capfd.readouterr()
+        return status, out, err
+
+    return command
+
+
+def refused(result, *words):
+    """Assert exit status 2, nothing on stdout, and one line without a traceback on stderr."""
+    status, out, err = result
+    assert (status, out) == (2, "")
+    assert err.startswith("geoweave: ")
+    assert err.count("\n") == 1, err
+    assert err.endswith("\n")
+    for word in words:
+        assert str(word) in err
+    return True
+
+
+@pytest.fixture
+def ball(tmp_path):
+    return write(tmp_path, "ball", "off", *sphere(3))
+
+
+def process(*arguments, **options):
+    command = [sys.executable, "-m", "geoweave", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)
+
+
+# -- info ---------------------------------------------------------------------------------------------------
+
+
+def test_info_as_json(run, tmp_path):
+    points, faces = octahedron()
+    path = write(
+        tmp_path, "part", "obj", np.concatenate([points, [[9, 9, 9]]]), np.concatenate([faces, faces[:1]])
+    )
+    status, out, err = run("info", path, "--json")
+    assert (status, err) == (0, "")
+    result = json.loads(out)
+    assert result["mesh"] == str(path)
+    wanted = {"vertices": 6, "faces": 8, "components": 1, "genus": 0, "boundary_loops": 0}
+    assert {key: result[key] for key in wanted} == wanted
+    assert result["repairs"]["unreferenced_vertices"] == 1
+    assert result["repairs"]["duplicate_faces"] == 1
+    assert sum(result["repairs"].values()) == 2
+    assert result["bounding_box"] == [[-1, -1, -1], [1, 1, 1]]
+
+
+def test_info_for_people(run, ball):
+    status, out, err = run("info", ball)
+    assert (status, err) == (0, "")
+    lines = out.splitlines()
+    assert lines[0] == str(ball)
+    assert "  vertices              258" in lines
+    assert "  repairs               none needed" in lines
+
+
+def test_info_repairs_and_writes_a_mesh_that_needs_no_repair(run, tmp_path):
+    points, faces = sheet(4)
+    # a second sheet stands on the row of edges in the middle of the first
+    wall = np.where(np.isin(np.arange(25), np.arange(10, 15)), np.arange(25), np.arange(25) + 25)
+    both = (
+        np.concatenate([points, points[:, [0, 2, 1]] + np.array([0.0, 7.0, 0.0])]),
+        np.concatenate([faces, wall[faces[faces.min(axis=1) >= 10]]]),
+    )
+    path = write(tmp_path, "wall", "ply", *both)
+    assert refused(run("info", path), path, "4 edges are shared by more than two faces", "--repair")
+    mended = tmp_path / "mended.obj"
+    status, out, _ = run("info", path, "--repair", "-o", mended, "--json")
+    cut = json.loads(out)
+    assert (status, cut["repairs"]["cut_edges"], cut["components"]) == (0, 4, 3)
+    status, out, _ = run("info", mended, "--json")
+    again = json.loads(out)
+    assert status == 0
+    assert {key: again[key] for key in ("vertices", "components", "boundary_loops")} == {
+        key: cut[key] for key in ("vertices", "components", "boundary_loops")
+    }
+    assert not any(again["repairs"].values())
+
+
+def test_info_chooses_components_and_remeshes(run, tmp_path):
+    points, faces = sphere(3)
+    path = write(
+        tmp_path,
+        "two",
+        "off",
+        np.concatenate([points, 0.1 * points + 3]),
+        np.concatenate([faces, faces + 258]),
+    )
+    status, out, _ = run("info", path, "--components", "largest", "--faces", 200, "--json")
+    result = json.loads(out)
+    assert (status, result["components"], result["repairs"]["remeshed_from"]) == (0, 1, 512)
+    assert abs(result["faces"] - 200) <= 20
+
+
+# -- field --------------------------------------------------------------------------------------------------
+
+
+def test_field_as_json_and_as_arrays(run, ball, tmp_path):
+    out_file = tmp_path / "field.npz"
+    status, out, err = run("field", ball, "--json", "-o", out_file)
+    assert (status, err) == (0, "")
+    result = json.loads(out)
+    assert (result["faces"], result["genus"], result["boundary_loops"]) == (512, 0, 0)
+    assert result["total_curl"]["after"] < result["total_curl"]["before"]
+    points = result["singularities"]
+    assert points["index_sum"] == points["euler_characteristic"] == 2
+    assert points["before"] >= 2
+    assert result["iterations"] > 0
+    assert set(result["seconds"]) >= {"read", "smoothest", "geodesic", "total"}
+
+    with np.load(out_file, allow_pickle=False) as arrays:
+        saved = {name: arrays[name] for name in arrays.files}
+    assert set(saved) == {"vertices", "faces", "field_initial", "field", "delta"}
+    mesh = TriMesh(saved["vertices"], saved["faces"])
+    assert np.linalg.norm(mesh.vertices, axis=1).max() == pytest.approx(1.0)
+    for name in ("field_initial", "field", "delta"):
+        assert saved[name].shape == (512, 3)
+        np.testing.assert_allclose(np.einsum("fx,fx->f", saved[name], mesh.face_normals), 0, atol=1e-12)
+    field = FaceField.from_ambient(mesh, saved["field"])
+    np.testing.assert_allclose(field.norms, 1.0)
+    assert total_curl(field) == pytest.approx(result["total_curl"]["after"])
+    initial = FaceField.from_ambient(mesh, saved["field_initial"])
+    assert total_curl(initial) == pytest.approx(result["total_curl"]["before"])
+    # Eq. 4: the perturbed field has no curl
+    closed = field + FaceField.from_ambient(mesh, saved["delta"])
+    assert np.abs(edge_curl(closed)).max() < 1e-10
+
+
+def test_field_for_people(run, ball):
+    status, out, err = run("field", ball, "--faces", 300)
+    assert (status, err) == (0, "")
+    assert "total curl" in out
+    assert "index sum       2 (Euler characteristic 2)" in out
+    assert "remeshed, from 512 faces" in out
+
+
+def test_the_same_seed_gives_the_same_file(run, ball, tmp_path):
+    for name in ("a.npz", "b.npz"):
+        assert run("field", ball, "--seed", 3, "-o", tmp_path / name)[0] == 0
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+@pytest.mark.parametrize(("scale", "shift"), [(1e-9, 0.0), (1e9, 0.0), (1.0, 1e6)])
+def test_a_scaled_or_moved_mesh_gives_the_same_field(run, tmp_path, scale, shift):
+    points, faces = sphere(3)
+    points = points * [1.0, 0.8, 0.6] + 0.05 * np.sin(5 * points[:, [1, 2, 0]])
+    found = []
+    for name, vertices in (("here", points), ("there", scale * points + shift)):
+        path = write(tmp_path, name, "obj", vertices, faces)
+        status, out, _ = run("field", path, "--json", "-o", tmp_path / f"{name}.npz")
+        assert status == 0
+        result = json.loads(out)
+        with np.load(tmp_path / f"{name}.npz") as arrays:
+            found.append(
+                (result["total_curl"], result["singularities"], {key: arrays[key] for key in arrays.files})
+            )
+    (curl, points_here, here), (curl_there, points_there, there) = found
+    # 1e6 leaves 10 digits of the coordinates; a step of Algorithm 1 multiplies what is lost
+    tolerance = 1e-5 if shift else 1e-9
+    assert curl_there == pytest.approx(curl, rel=tolerance)
+    assert points_there == points_here
+    np.testing.assert_array_equal(there["faces"], here["faces"])
+    np.testing.assert_allclose(there["vertices"], here["vertices"], atol=1e-9)
+    for name in ("field_initial", "field"):
+        # w and -w are the same minimiser
+        sign = np.sign(np.einsum("fx,fx->", there[name], here[name]))
+        np.testing.assert_allclose(sign * there[name], here[name], atol=1e3 * tolerance)
+
+
+# -- what is refused ----------------------------------------------------------------------------------------
+
+
+def test_hostile_files_give_one_line_and_exit_2(run, tmp_path):
+    (tmp_path / "in").mkdir()
+    (tmp_path / "out").mkdir()
+    for command in (["info"], ["info", "--json"], ["field", "-o", tmp_path / "out" / "f.npz", "--json"]):
+        for path, word in hostile_files(tmp_path / "in").values():
+            assert refused(run(*command, path), path, word)
+    assert not list((tmp_path / "out").iterdir())
+
+
+def hostile_files(folder):
+    for path in folder.iterdir():
+        path.rmdir() if path.is_dir() else path.unlink()
+    return hostile(folder)
+
+
+def test_an_output_that_cannot_be_written_is_refused_before_the_work(run, ball, tmp_path):
+    (tmp_path / "folder.npz").mkdir()
+    before = ball.read_bytes()
+    assert refused(run("field", ball, "-o", tmp_path / "none" / "f.npz"), "there is no folder")
+    assert refused(run("field", ball, "-o", tmp_path / "folder.npz"), "is a folder")
+    assert refused(run("field", ball, "-o", ball), "is the input")
+    assert refused(run("info", ball, "-o", tmp_path / "x.stl"), "a mesh is written as")
+    assert refused(run("info", ball, "-o", ball), "is the input")
+    assert ball.read_bytes() == before
+    assert sorted(os.listdir(tmp_path)) == ["ball.off", "folder.npz"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        ((), "Missing command; see 'geoweave --help'"),
+        (("inof",), "No such command 'inof'"),
+        (("info",), "Missing argument 'MESH'; see 'geoweave info --help'"),
+        (("info", "a", "b"), "unexpected extra argument"),
+        (("info", "a", "--jsn"), "No such option"),
+        (("info", "a", "--faces", "3"), "3 is not in the range"),
+        (("info", "a", "--components", "some"), "'some' is not one of"),
+        (("field", "a", "--seed", "x"), "'x' is not a valid integer"),
+        (("field", "a", "--seed", "-1"), "-1 is not in the range"),
+        (("figures", "--profile", "best"), "'best' is not one of"),
+    ],
+)
+def test_bad_usage_is_one_line_and_exit_2(run, arguments, word):
+    assert refused(run(*arguments), word)
+
+
+def test_help_and_version(run):
+    status, out, err = run("--version")
+    assert (status, err) == (0, "")
+    assert out == f"geoweave {cli.version()}\n"
+    for arguments in (["--help"], ["-h"], ["info", "--help"], ["field", "-h"]):
+        status, out, err = run(*arguments)
+        assert (status, err) == (0, "")
+        assert out.startswith("Usage: geoweave")
+
+
+def test_a_fault_of_ours_is_exit_1_with_a_traceback(run, ball, monkeypatch):
+    from geoweave import prepare
+
+    def broken(*_, **__):
+        raise ZeroDivisionError("a fault")
+
+    monkeypatch.setattr(prepare, "read_mesh", broken)
+    status, out, err = run("info", ball)
+    assert (status, out) == (1, "")
+    assert "ZeroDivisionError: a fault" in err
+    assert err.splitlines()[-1].startswith("geoweave: this is a fault of geoweave")
+
+    def exhausted(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr(prepare, "read_mesh", exhausted)
+    assert run("info", ball) == (1, "", "geoweave: not enough memory; ask for fewer triangles with --faces\n")
+
+
+# -- as a process -------------------------------------------------------------------------------------------
+
+
+def test_python_m_geoweave(ball, tmp_path):
+    done = process("info", ball, "--json")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["faces"] == 512
+    missing = process("info", tmp_path / "missing.obj")
+    assert refused((missing.returncode, missing.stdout, missing.stderr), "missing.obj", "no such file")
+    strip = write(tmp_path, "Möbius strip", "stl", *moebius_strip())
+    odd = process("field", strip, env={**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0"})
+    assert odd.returncode == 2
+    assert odd.stderr.count("\n") == 1
+
+
+def test_info_imports_no_renderer(ball):
+    program = (
+        "import sys; from geoweave.cli import main; status = main(['info', sys.argv[1]]); "
+        "heavy = {'vtk', 'vtkmodules', 'pyvista', 'matplotlib', 'pandas', 'numba'} & set(sys.modules); "
+        "sys.exit(f'imported {heavy}' if heavy else status)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program, str(ball)], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_reader_that_goes_away_makes_no_noise(ball):
+    read_end, write_end = os.pipe()
+    os.close(read_end)
+    try:
+        command = [sys.executable, "-m", "geoweave", "info", str(ball)]
+        done = subprocess.run(command, stdout=write_end, stderr=subprocess.PIPE, text=True, check=False)
+    finally:
+        os.close(write_end)
+    assert (done.returncode, done.stderr) == (1, "")
+
+
+def test_control_c_leaves_nothing_and_says_one_line(tmp_path):
+    path = write(tmp_path, "ball", "ply-little", *sphere(7))
+    command = [sys.executable, "-m", "geoweave", "field", str(path), "-o", str(tmp_path / "f.npz")]
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(2.0)
+    child.send_signal(signal.SIGINT)
+    out, err = child.communicate(timeout=120)
+    assert (child.returncode, out) == (1, "")
+    assert err == "geoweave: interrupted; nothing was written\n"
+    assert os.listdir(tmp_path) == ["ball.ply"]

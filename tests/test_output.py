@@ -1,0 +1,84 @@
+import os
+import stat
+
+import pytest
+
+from geoweave.output import OutputError, check_writable, replacing
+
+
+def contents(folder):
+    return {path.name: path.read_text() for path in folder.iterdir() if path.is_file()}
+
+
+def write_half(target, error):
+    with replacing(target) as temporary:
+        temporary.write_text("half")
+        raise error
+
+
+def test_a_file_appears_whole(tmp_path):
+    target = tmp_path / "out.npz"
+    with replacing(target) as temporary:
+        assert temporary.parent == tmp_path
+        assert temporary.suffix == ".npz"
+        temporary.write_text("half")
+        assert not target.exists()
+        temporary.write_text("whole")
+    assert contents(tmp_path) == {"out.npz": "whole"}
+
+
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt, SystemExit, MemoryError])
+def test_an_interrupted_write_leaves_what_was_there(tmp_path, error):
+    target = tmp_path / "out.txt"
+    target.write_text("old")
+    with pytest.raises(error):
+        write_half(target, error())
+    assert contents(tmp_path) == {"out.txt": "old"}
+
+
+def test_permissions_and_links_stay(tmp_path):
+    real, link = tmp_path / "real.txt", tmp_path / "link.txt"
+    real.write_text("old")
+    real.chmod(0o640)
+    link.symlink_to(real)
+    with replacing(link) as temporary:
+        temporary.write_text("new")
+    assert link.is_symlink()
+    assert real.read_text() == "new"
+    assert stat.S_IMODE(real.stat().st_mode) == 0o640
+
+
+def test_places_that_cannot_be_written_are_refused_before_the_work(tmp_path):
+    (tmp_path / "file").write_text("")
+    os.mkfifo(tmp_path / "pipe")
+    for path, message in (
+        (tmp_path, "is a folder; name a file in it"),
+        (tmp_path / "none" / "out.npz", "there is no folder"),
+        (tmp_path / "file" / "out.npz", "there is no folder"),
+        (tmp_path / "pipe", "not a regular file"),
+    ):
+        with pytest.raises(OutputError, match=message):
+            check_writable(path)
+        with pytest.raises(OutputError, match=message), replacing(path):
+            raise AssertionError("the work must not begin")
+    assert sorted(os.listdir(tmp_path)) == ["file", "pipe"]
+
+
+def test_a_folder_without_permission_is_refused(tmp_path, monkeypatch):
+    # asked of the system instead of set up, because nothing is forbidden to root
+    monkeypatch.setattr(os, "access", lambda path, mode: False)
+    with pytest.raises(OutputError, match="is not writable; choose another place"):
+        check_writable(tmp_path / "out.npz")
+
+
+def test_a_full_disk_is_one_sentence(tmp_path):
+    target = tmp_path / "out.npz"
+    with pytest.raises(OutputError, match=r"out\.npz: cannot be written \(No space left on device\)"):
+        write_half(target, OSError(28, "No space left on device"))
+    assert contents(tmp_path) == {}
+
+
+def test_an_error_about_another_file_is_left_alone(tmp_path):
+    with pytest.raises(FileNotFoundError), replacing(tmp_path / "out.npz"):
+        (tmp_path / "input.txt").read_text()
+    assert contents(tmp_path) == {}
