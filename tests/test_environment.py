@@ -1,0 +1,110 @@
+"""pyproject.toml, environment.yml, requirements.lock and the other pages about the project say the same."""
+
+import os
+import re
+import subprocess
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).resolve().parent.parent
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+ASKED = [
+    Requirement(line)
+    for line in [
+        *PROJECT["dependencies"],
+        *(r for extra in PROJECT["optional-dependencies"].values() for r in extra),
+    ]
+]
+PINNED = [
+    Requirement(line)
+    for line in (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines()
+    if line and not line.startswith("#")
+]
+PLATFORMS = [
+    {"sys_platform": system, "platform_system": name, "platform_machine": machine, "os_name": kind}
+    for system, name, machine, kind in (
+        ("linux", "Linux", "x86_64", "posix"),
+        ("linux", "Linux", "aarch64", "posix"),
+        ("darwin", "Darwin", "arm64", "posix"),
+        ("win32", "Windows", "AMD64", "nt"),
+    )
+]
+CONDA = yaml.safe_load((ROOT / "environment.yml").read_text(encoding="utf-8"))
+
+
+def machines() -> list[dict[str, str]]:
+    common = {"implementation_name": "cpython", "platform_python_implementation": "CPython", "extra": ""}
+    return [
+        {**common, **place, "python_version": python, "python_full_version": f"{python}.4"}
+        for place in PLATFORMS
+        for python in ("3.11", "3.12", "3.13")
+    ]
+
+
+def test_conda_has_the_bounds_of_pyproject() -> None:
+    conda = {}
+    for line in CONDA["dependencies"]:
+        requirement = Requirement(line)
+        conda[canonicalize_name(requirement.name)] = str(requirement.specifier)
+    assert conda.pop("python") == PROJECT["requires-python"]
+    assert conda.pop("pip") == ""
+    assert conda == {canonicalize_name(r.name): str(r.specifier) for r in ASKED}
+
+
+def test_conda_asks_one_channel() -> None:
+    assert CONDA["channels"] == ["conda-forge", "nodefaults"]
+
+
+@pytest.mark.parametrize(
+    "machine", machines(), ids=lambda m: f"{m['sys_platform']}-{m['platform_machine']}-{m['python_version']}"
+)
+def test_the_lock_pins_all_that_is_asked(machine: dict[str, str]) -> None:
+    here: dict[str, Requirement] = {}
+    for pin in PINNED:
+        if pin.marker is None or pin.marker.evaluate(machine):
+            assert canonicalize_name(pin.name) not in here, f"{pin.name} is pinned twice"
+            here[canonicalize_name(pin.name)] = pin
+    for asked in ASKED:
+        if asked.marker is None or asked.marker.evaluate(machine):
+            (only,) = here[canonicalize_name(asked.name)].specifier
+            assert only.operator == "=="
+            assert asked.specifier.contains(only.version), f"{asked} against {only}: run make lock"
+
+
+def test_the_lock_names_no_place() -> None:
+    for pin in PINNED:
+        assert pin.url is None
+    text = (ROOT / "requirements.lock").read_text(encoding="utf-8")
+    assert not re.search(r"https?:|file:|--|\s/", text)
+
+
+def test_ci_runs_the_readme_command() -> None:
+    script = ROOT / ".ci" / "run"
+    assert os.access(script, os.X_OK)
+    assert "exec make test" in script.read_text(encoding="utf-8")
+    assert "make test" in (ROOT / "README.md").read_text(encoding="utf-8")
+    workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8"))
+    steps = "\n".join(step.get("run", "") for step in workflow["jobs"]["reproduce"]["steps"])
+    for needed in (".ci/run", "make figures", "libegl1", "libgl1-mesa-dri", "git diff --exit-code"):
+        assert needed in steps
+
+
+def test_make_alone_lists_its_targets() -> None:
+    out = subprocess.run(
+        ["make", "--no-print-directory"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout
+    for target in ("help", "figures", "notebooks", "test", "lint", "bench", "lock", "clean"):
+        assert re.search(rf"^ +{target} +\w", out, re.MULTILINE), target
+
+
+def test_the_citation_is_of_this_version() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == PROJECT["version"]
+    assert citation["license"] == PROJECT["license"]
+    assert citation["preferred-citation"]["doi"] == "10.1145/3306346.3323043"
+    assert f"## {PROJECT['version']}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
