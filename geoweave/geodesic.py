@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
@@ -217,11 +218,26 @@ def geodesic_field(
     w = start.values if handles is None else _with_handles(start.values, handles)
     steps: list[Step] = []
     converged = False
-    for level, weight in enumerate(schedule):
-        project = ClosedProjection(fields, weight, ordering, handles)
+    for level, project in enumerate(_projections(fields, schedule, ordering, handles)):
         limit = iterations if level < len(schedule) - 1 else 2 * iterations
         w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback)
     return GeodesicSolve(start, FaceField(mesh, w), FaceField(mesh, v - w), tuple(steps), converged)
+
+
+def _projections(
+    fields: ClosedFields, schedule: Sequence[float], ordering: Ordering, handles: Handles | None
+) -> Iterator[ClosedProjection]:
+    """Factor the system of each smoothness in turn, the next one while the last one is in use."""
+    # What both threads read is computed before there are two of them; SuperLU works without the GIL.
+    _ = fields.mass, fields.smoothness, fields.basis_transposed
+    with ThreadPoolExecutor(max_workers=1) as ahead:
+        upcoming = ahead.submit(ClosedProjection, fields, schedule[0], ordering, handles)
+        for weight in schedule[1:]:
+            project = upcoming.result()
+            upcoming = ahead.submit(ClosedProjection, fields, weight, ordering, handles)
+            yield project
+            del project
+        yield upcoming.result()
 
 
 def _alternate(

@@ -1,0 +1,177 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from surfaces import ALL, surface
+
+from geoweave.errors import FieldError
+from geoweave.fields import FaceField, Handles, edge_curl, random_field, total_curl
+from geoweave.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
+from geoweave.mesh import TriMesh
+from geoweave.operators import ClosedFields, dirichlet_energy
+from geoweave.rosy import smoothest_field
+from geoweave.singularities import circulation, index_sum, singular_vertices
+
+
+def eq5_energy(mesh, w, v, smoothness):
+    return 0.5 * mesh.face_areas @ np.abs(v - w) ** 2 + 0.5 * smoothness * dirichlet_energy(mesh, v)
+
+
+def assert_energy_never_rises(solve):
+    for a, b in zip(solve.steps, solve.steps[1:], strict=False):
+        assert b.energy <= a.energy or b.smoothness != a.smoothness
+
+
+@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("acceleration", ["momentum", "none"])
+def test_algorithm_1_keeps_its_promises(name, acceleration):
+    """Section 4.1.3: constraints hold, the energy never rises, delta is parallel to w, curl falls."""
+    mesh = surface(name)
+    initial = random_field(mesh, 0)
+    solve = geodesic_field(initial, acceleration=acceleration, iterations=8)
+    assert_energy_never_rises(solve)
+    np.testing.assert_allclose(solve.field.norms, 1)
+    assert np.abs(edge_curl(solve.field + solve.delta)).max() < 1e-12
+    assert total_curl(solve.field) < 0.5 * total_curl(initial)
+    assert index_sum(solve.field) == mesh.euler_characteristic
+    last = solve.steps[-1]
+    closed = (solve.field + solve.delta).values
+    assert last.energy == pytest.approx(
+        eq5_energy(mesh, solve.field.values, closed, last.smoothness), rel=1e-6
+    )
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "torus", "annulus"])
+def test_at_a_stationary_point_delta_is_parallel_to_the_field(name):
+    mesh = surface(name)
+    solve = geodesic_field(smoothest_field(mesh), smoothness=[0.01], iterations=4000, tolerance=1e-10)
+    assert solve.converged
+    across = (solve.delta.values * solve.field.values.conj()).imag
+    assert np.abs(across).max() < 1e-6
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "genus 5", "Schwarz-P"])
+def test_the_projection_minimises(name):
+    mesh = surface(name)
+    fields = ClosedFields(mesh)
+    w = random_field(mesh, 1).values
+    project = ClosedProjection(fields, 0.01, ordering_of(fields))
+    v, energy = project(w)
+    assert energy == pytest.approx(eq5_energy(mesh, w, v, 0.01), rel=1e-10)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        other = fields.basis @ rng.normal(size=fields.basis.shape[1])
+        nudge = 1e-3 * other.view(complex) / np.abs(other).max()
+        up = eq5_energy(mesh, w, v + nudge, 0.01) - energy
+        down = eq5_energy(mesh, w, v - nudge, 0.01) - energy
+        assert up > 0
+        assert up == pytest.approx(down, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_momentum_reaches_a_lower_energy_in_the_same_number_of_steps(name):
+    mesh = surface(name)
+    initial = smoothest_field(mesh)
+    runs = {
+        kind: geodesic_field(initial, smoothness=[1e-3], iterations=15, tolerance=0, acceleration=kind)
+        for kind in ("momentum", "none")
+    }
+    assert runs["momentum"].energies[-1] <= runs["none"].energies[-1] * (1 + 1e-9)
+
+
+def test_radial_field_on_an_annulus_is_geodesic_already():
+    """Straight lines from a centre: curl-free and unit, so delta is discretisation only."""
+    mesh = surface("annulus")
+    x, y, _ = mesh.barycenters.T
+    radial = FaceField.from_ambient(mesh, np.stack([x, y, 0 * x], axis=1)).normalized()
+    solve = geodesic_field(radial, smoothness=[0.0])
+    angle = np.angle(solve.field.values * radial.values.conj())
+    assert np.degrees(np.abs(angle)).max() < 3
+    assert np.sqrt(mesh.face_areas @ solve.delta.norms**2 / mesh.face_areas.sum()) < 0.01
+
+
+def test_helices_on_a_cylinder_stay():
+    mesh = surface("cylinder")
+    normal = mesh.face_normals
+    axis = np.array([0.0, 0, 1])
+    helix = FaceField.from_ambient(mesh, 0.6 * axis + 0.8 * np.cross(axis, normal)).normalized()
+    solve = geodesic_field(helix, smoothness=[0.0])
+    assert np.degrees(np.abs(np.angle(solve.field.values * helix.values.conj()))).max() < 0.5
+
+
+def test_sphere_flows_to_great_circles_without_vorticity():
+    """Fig. 7: streamlines are meridians through the two singularities."""
+    mesh = surface("sphere")
+    solve = geodesic_field(smoothest_field(mesh, phase="seeded"), smoothness=[1.0, 1e-2, 1e-4])
+    ends = singular_vertices(solve.field)
+    assert len(ends) == 2
+    assert np.abs(circulation(solve.field, ends)).max() < 1e-3
+    pole = mesh.vertices[ends[0]]
+    meridian = FaceField.from_ambient(mesh, np.broadcast_to(pole, (mesh.n_faces, 3))).normalized()
+    angle = np.degrees(np.abs(np.angle((solve.field.values * meridian.values.conj()) ** 2) / 2))
+    assert np.average(angle, weights=mesh.face_areas) < 1
+
+
+def two_handles(mesh, angle=np.pi / 2):
+    at = [np.argmin(np.linalg.norm(mesh.barycenters - p, axis=1)) for p in ([-0.5, 0, 0], [0.5, 0, 0])]
+    return Handles.from_ambient(mesh, at, [[1, 0, 0], [np.cos(angle), np.sin(angle), 0]])
+
+
+@pytest.mark.parametrize("smoothness", [1e3, 1e-2, 0.0])
+def test_handles_are_held_exactly(smoothness):
+    mesh = surface("disk")
+    handles = two_handles(mesh)
+    solve = geodesic_field(random_field(mesh, 0), smoothness=[smoothness], handles=handles)
+    assert_energy_never_rises(solve)
+    np.testing.assert_array_equal(solve.field.values[handles.faces], handles.values)
+    np.testing.assert_array_equal(solve.delta.values[handles.faces], 0)
+    assert np.abs(edge_curl(solve.field + solve.delta)).max() < 1e-11
+
+
+def test_touching_handles_that_agree_are_held_and_others_refused():
+    mesh = surface("disk")
+    i, j = mesh.edge_faces[mesh.interior_edges[40]]
+    agree = Handles.from_ambient(mesh, [i, j], [[1, 0, 0], [1, 0, 0]])
+    solve = geodesic_field(random_field(mesh, 0), smoothness=[1e-2], handles=agree)
+    np.testing.assert_array_equal(solve.field.values[agree.faces], agree.values)
+    assert np.abs(edge_curl(solve.field + solve.delta)).max() < 1e-11
+    edge = mesh.edge_vectors[mesh.interior_edges[40]]
+    clash = Handles.from_ambient(mesh, [i, j], [edge, -edge])
+    with pytest.raises(FieldError, match=rf"face ({i}|{j}) contradicts"):
+        geodesic_field(random_field(mesh, 0), smoothness=[1e-2], handles=clash)
+
+
+def test_stopping_test_and_history():
+    mesh = surface("torus")
+    seen = []
+    solve = geodesic_field(smoothest_field(mesh), callback=lambda step, field: seen.append((step, field)))
+    assert [step for step, _ in seen] == list(solve.steps)
+    np.testing.assert_array_equal(seen[-1][1].values, solve.field.values)
+    assert solve.converged == (solve.steps[-1].change < 1e-4)
+    loose = geodesic_field(smoothest_field(mesh), tolerance=1.0)
+    assert loose.converged
+    assert loose.iterations == len(sharpening_schedule(mesh))
+
+
+@pytest.mark.parametrize("factor", [1e-9, 1e9])
+def test_scale_does_not_matter(factor):
+    mesh = surface("jagged sphere")
+    large = TriMesh(mesh.vertices * factor, mesh.faces)
+    start = smoothest_field(mesh)
+    a, b = geodesic_field(start), geodesic_field(FaceField(large, start.values))
+    assert a.iterations == b.iterations
+    np.testing.assert_allclose(b.field.values, a.field.values, atol=1e-6)
+
+
+def test_nonsense_is_refused():
+    field = random_field(surface("disk"), 0)
+    with pytest.raises(FieldError, match="at least one"):
+        geodesic_field(field, smoothness=[])
+    with pytest.raises(FieldError, match="must not be negative"):
+        geodesic_field(field, smoothness=[-1.0])
+
+
+def test_same_seed_same_field():
+    mesh = surface("genus 5")
+    a, b = (geodesic_field(smoothest_field(mesh, 7)).field.values for _ in range(2))
+    np.testing.assert_array_equal(a, b)

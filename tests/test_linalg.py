@@ -1,0 +1,66 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from geoweave import linalg
+
+
+def grid_laplacian(n=30, shift=0.1):
+    line = sparse.diags_array([-np.ones(n - 1), 2 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1])
+    eye = sparse.eye_array(n)
+    matrix = sparse.kron(line, eye) + sparse.kron(eye, line) + shift * sparse.eye_array(n * n)
+    return sparse.csr_array(matrix)
+
+
+def hermitian():
+    matrix = grid_laplacian().tocoo()
+    phase = np.exp(1j * 0.7 * np.sign(matrix.coords[1] - matrix.coords[0]))
+    return sparse.csr_array((matrix.data * phase, matrix.coords), shape=matrix.shape)
+
+
+@pytest.mark.parametrize("matrix", [grid_laplacian(), hermitian()], ids=["real", "Hermitian"])
+@pytest.mark.parametrize("metis", [True, False])
+def test_factors_solve(matrix, metis, monkeypatch):
+    if metis:
+        assert linalg.HAS_METIS
+    monkeypatch.setattr(linalg, "HAS_METIS", metis)
+    ordering = linalg.nested_dissection(matrix)
+    assert (ordering.order is not None) == metis
+    factors = linalg.factorized(matrix, ordering)
+    right = np.random.default_rng(0).normal(size=(900, 3)).astype(matrix.dtype)
+    for b in (right, right[:, 0].copy()):
+        np.testing.assert_allclose(matrix @ factors.solve(b), b, atol=1e-12)
+
+
+def test_nested_dissection_is_a_permutation_with_less_fill_than_the_given_order():
+    matrix = grid_laplacian(60)
+    ordering = linalg.nested_dissection(matrix)
+    np.testing.assert_array_equal(np.sort(ordering.order), np.arange(3600))
+    natural = linalg.Ordering(np.arange(3600))
+    assert linalg.factorized(matrix, ordering).fill < 0.6 * linalg.factorized(matrix, natural).fill
+
+
+def test_orderings_extend_to_blocks_and_to_last_rows():
+    base = linalg.Ordering(np.array([2, 0, 1]))
+    np.testing.assert_array_equal(base.repeated(2).order, [4, 5, 0, 1, 2, 3])
+    np.testing.assert_array_equal(base.with_last(2).order, [2, 0, 1, 3, 4])
+    assert linalg.Ordering(None).repeated(2).with_last(1).order is None
+
+
+def test_a_singular_matrix_is_refused():
+    with pytest.raises(linalg.SingularMatrixError, match="3 unknowns"):
+        linalg.factorized(sparse.csr_array(np.diag([1.0, 0.0, 2.0])), linalg.Ordering(np.arange(3)))
+
+
+@pytest.mark.parametrize("matrix", [grid_laplacian(), hermitian()], ids=["real", "Hermitian"])
+def test_smallest_eigenpair_against_a_dense_solver(matrix):
+    mass = np.random.default_rng(1).uniform(0.5, 2.0, 900)
+    start = np.random.default_rng(2).normal(size=900).astype(matrix.dtype)
+    factors = linalg.factorized(matrix, linalg.nested_dissection(matrix))
+    mu, u = linalg.smallest_eigenpair(factors, mass, start)
+    root = 1 / np.sqrt(mass)
+    assert mu == pytest.approx(np.linalg.eigvalsh(root[:, None] * matrix.toarray() * root)[0], rel=1e-10)
+    np.testing.assert_allclose(matrix @ u, mu * mass * u, atol=1e-9)
+    assert (u.conj() * mass) @ u == pytest.approx(1)
