@@ -15,6 +15,8 @@ Rules that the runner and the tests hold every notebook to:
 from __future__ import annotations
 
 import ast
+import html
+import json
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -228,6 +230,12 @@ def settled(source: Any, executed: Any) -> Any:
     return result
 
 
+def _alt(record: Path) -> str:
+    """What the picture shows, in the words its provenance file has for those who cannot see it."""
+    alt = json.loads(record.read_text(encoding="utf-8")).get("alt", "")
+    return html.escape(str(alt)).replace("|", "&#124;")
+
+
 def figures_index(root: Path) -> str:
     """Markdown of ``figures/INDEX.md``: every figure there is, with its notebook, profile and numbers."""
     lines = [
@@ -248,7 +256,10 @@ def figures_index(root: Path) -> str:
                 files = {end: (folder / f"{base}.{end}").is_file() for end in ("png", "csv", "json")}
                 if not any(files.values()):
                     continue
-                picture = f'<img src="{base}.png" alt="{figure}" width="320">' if files["png"] else figure
+                alt = _alt(folder / f"{base}.json") if files["json"] else ""
+                picture = f'<img src="{base}.png" alt="{alt or figure}" width="320">'
+                if not files["png"]:
+                    picture = figure
                 numbers = ", ".join(f"[{end}]({base}.{end})" for end in ("csv", "json") if files[end])
                 lines.append(
                     f"| {picture} | {caption} | [{name}](../notebooks/{name}.ipynb) | {profile} | {numbers} |"

@@ -27,6 +27,7 @@ import nbformat
 from geoweave import doctor, notebooks
 from geoweave.errors import GeoweaveError
 from geoweave.execution import Children, execute, interrupt_once
+from geoweave.output import replacing
 from geoweave.places import repository
 from geoweave.progress import Progress
 
@@ -280,15 +281,8 @@ def _write(path: Path, content: bytes) -> None:
     if path.is_file() and path.read_bytes() == content:
         return
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    temporary = Path(name)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-        temporary.chmod(0o644)
-        temporary.replace(path)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with replacing(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
