@@ -1,0 +1,272 @@
+"""Isotropic remeshing: even, nearly equilateral triangles in a wanted number, on the same surface.
+
+The incremental remeshing of Botsch and Kobbelt, *A Remeshing Approach to Multiresolution Modeling* (2004):
+split long edges, collapse short ones, flip towards six faces per vertex, slide vertices inside the surface
+and bring them back onto it, over and over. The edge length follows the count of faces that results.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geoweave.arrays import Flags, Indices, Scalars, Vectors
+from geoweave.closest import BoxTree, segment_tree, triangle_tree
+from geoweave.compiled import compiled
+from geoweave.edits import collapse_edges, flip_edges, relax_vertices, split_edges
+from geoweave.errors import MeshError
+from geoweave.mesh import TriMesh
+from geoweave.patch import FREE, LOCKED, ON_CURVE, Guide, Patch
+
+LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0
+"""Edges are split above and collapsed below these multiples of the wanted length (Botsch and Kobbelt)."""
+
+ROUNDS, FINISH = 10, 6
+"""Rounds of all edits, and rounds of flips and relaxation alone at the end."""
+
+TOLERANCE = 0.05
+"""How far the number of faces may end from the wanted one."""
+
+CORNER = np.pi / 4
+"""A curve that turns by more than this within half an edge length has a corner there, which stays."""
+
+_EVERYTHING = 2**62
+
+
+def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None = None) -> TriMesh:
+    """Cover the surface of a mesh with about `faces` nearly equilateral triangles.
+
+    The wanted edge length is ``h = sqrt(4 A / (sqrt(3) faces))`` for the area A. Vertices lie on the faces of
+    `mesh`, boundary vertices on its boundary; the corners of the boundary stay. The number of components, the
+    genus and the number of boundary loops are those of `mesh`. The same input gives the same result.
+
+    Parameters
+    ----------
+    mesh : any orientable surface, of any scale
+    faces : wanted number of faces
+    feature_angle : degrees; edges whose faces meet at a larger angle (0 is flat) stay edges. None keeps no
+        edge but the boundary.
+
+    Raises
+    ------
+    MeshError
+        If `faces` is less than 4, or if the topology of the surface does not allow so few faces: the number
+        that was reached within it is named.
+    """
+    if faces < 4:
+        raise MeshError(f"cannot remesh to {faces} faces: ask for at least 4")
+    working, placement = mesh.normalized()
+    creases = _creases(working, feature_angle)
+    guide = Guide(
+        triangle_tree(working.vertices[working.faces]),
+        _lines(working, working.boundary_edges, directed=True),
+        _lines(working, creases, directed=False),
+    )
+    length = float(np.sqrt(4.0 * working.face_areas.sum() / (np.sqrt(3.0) * faces)))
+    patch = _opened(working, creases, length)
+    _collapse(patch, guide, SHORT * length, LONG * length)
+    patch = _compacted(patch)
+    for i in range(ROUNDS + FINISH):
+        if i < ROUNDS:
+            patch = _split(patch, guide, LONG * length)
+            _collapse(patch, guide, SHORT * length, LONG * length)
+            patch = _compacted(patch)
+            flip_edges(patch, False)
+        else:
+            patch = _trimmed(patch, guide, faces, length) if i < ROUNDS + 3 else patch
+            flip_edges(patch, True)
+        relax_vertices(patch, guide)
+        length *= float(np.clip(np.sqrt(len(patch.at) / (3.0 * faces)), 0.7, 1.4)) if i < ROUNDS else 1.0
+    flip_edges(patch, True)
+    return _checked(mesh, TriMesh(placement.undo(patch.points), patch.at.reshape(-1, 3)), faces)
+
+
+def _checked(mesh: TriMesh, result: TriMesh, faces: int) -> TriMesh:
+    def topology(surface: TriMesh) -> tuple[int, int, int]:
+        return surface.n_components, surface.genus, len(surface.boundary_loops)
+
+    if topology(result) != topology(mesh):
+        raise MeshError(
+            f"remeshing to {faces} faces changed components, genus and boundary loops from {topology(mesh)} "
+            f"to {topology(result)}; ask for more faces"
+        )
+    if abs(result.n_faces - faces) > max(TOLERANCE * faces, 2):
+        raise MeshError(
+            f"cannot remesh to {faces} faces: keeping the surface's topology and thin parts ends at "
+            f"{result.n_faces}; ask for at least that many"
+        )
+    return result
+
+
+def _creases(mesh: TriMesh, feature_angle: float | None) -> Indices:
+    """Interior edges whose faces meet at more than `feature_angle` degrees."""
+    if feature_angle is None:
+        return np.zeros(0, dtype=np.int64)
+    i, j = mesh.edge_faces[mesh.interior_edges].T
+    cosine = np.einsum("ex,ex->e", mesh.face_normals[i], mesh.face_normals[j])
+    sharp: Indices = mesh.interior_edges[cosine < np.cos(np.radians(feature_angle))]
+    return sharp
+
+
+def _lines(mesh: TriMesh, edges: Indices, *, directed: bool) -> BoxTree:
+    """The tree of some edges; where directed, each is found only by those who look along its way."""
+    tree = segment_tree(mesh.vertices[mesh.edges[edges]])
+    if not directed:
+        return tree
+    along = mesh.edge_vectors[edges] / mesh.edge_lengths[edges][:, None]
+    return tree._replace(normals=np.ascontiguousarray(along))
+
+
+def _opened(mesh: TriMesh, creases: Indices, length: float) -> Patch:
+    """The mesh as arrays to edit, its boundary and creases marked, the corners and ends of these locked."""
+    halfedges = mesh.edge_halfedges
+    over = np.full(3 * mesh.n_faces, -1, dtype=np.int64)
+    over[halfedges[:, 0]] = halfedges[:, 1]
+    inner = halfedges[:, 1] >= 0
+    over[halfedges[inner, 1]] = halfedges[inner, 0]
+    curves = np.concatenate([mesh.boundary_edges, creases])
+    marked = np.zeros(3 * mesh.n_faces, dtype=bool)
+    marked[halfedges[curves, 0]] = True
+    marked[halfedges[creases, 1]] = True
+    corner = np.empty(mesh.n_vertices, dtype=np.int64)
+    corner[mesh.faces.ravel()] = np.arange(3 * mesh.n_faces)
+    kind = _kinds(mesh, curves, length)
+    return Patch(mesh.vertices.copy(), kind, corner, mesh.faces.ravel().copy(), over, marked)
+
+
+def _kinds(mesh: TriMesh, curves: Indices, length: float) -> Indices:
+    """(V,) FREE off the curves, LOCKED where they end, branch or turn sharply, ON_CURVE elsewhere."""
+    ends = mesh.edges[curves]
+    count = np.bincount(ends.ravel(), minlength=mesh.n_vertices)
+    kind = np.where(count == 0, FREE, np.where(count == 2, ON_CURVE, LOCKED)).astype(np.int64)
+    order = np.argsort(ends.ravel(), kind="stable")
+    vertex, other = ends.ravel()[order], ends[:, ::-1].ravel()[order]
+    first = np.flatnonzero(count[vertex] == 2)
+    neighbors = np.full((mesh.n_vertices, 2), -1, dtype=np.int64)
+    neighbors[vertex[first[::2]], 0] = other[first[::2]]
+    neighbors[vertex[first[1::2]], 1] = other[first[1::2]]
+    kind[_corners(mesh.vertices, neighbors, 0.5 * length)] = LOCKED
+    return kind
+
+
+@compiled
+def _corners(points: Vectors, neighbors: Indices, reach: float) -> Flags:
+    """(V,) whether the curve through a vertex turns sharply there, and farthest within `reach` of it.
+
+    The turn is measured at the vertex and again between points `reach` along the curve to either side, so
+    that the steps of a jagged boundary are no corners.
+    """
+    sharp = np.zeros(len(points), dtype=np.bool_)
+    turn = np.zeros(len(points))
+    arms = np.empty((2, 2, 3))
+    for vertex in range(len(points)):
+        if neighbors[vertex, 0] < 0:
+            continue
+        for side in range(2):
+            last, here = vertex, neighbors[vertex, side]
+            arms[0, side] = points[here] - points[vertex]
+            walked = np.sqrt((arms[0, side] ** 2).sum())
+            while walked < reach and neighbors[here, 0] >= 0 and here != vertex:
+                onward = neighbors[here, 0] if neighbors[here, 0] != last else neighbors[here, 1]
+                last, here = here, onward
+                walked += np.sqrt(((points[here] - points[last]) ** 2).sum())
+            arms[1, side] = points[here] - points[vertex]
+        least = np.pi
+        for scale in range(2):
+            a, b = arms[scale, 0], arms[scale, 1]
+            size = np.sqrt((a**2).sum() * (b**2).sum())
+            cosine = -(a * b).sum() / size if size > 0.0 else 1.0
+            least = min(least, np.arccos(min(1.0, max(-1.0, cosine))))
+        turn[vertex] = least
+        sharp[vertex] = least > CORNER
+    for vertex in range(len(points)):
+        if not sharp[vertex]:
+            continue
+        for side in range(2):
+            last, here, walked = vertex, neighbors[vertex, side], 0.0
+            while neighbors[here, 0] >= 0 and here != vertex:
+                walked += np.sqrt(((points[here] - points[last]) ** 2).sum())
+                if walked > reach:
+                    break
+                if turn[here] > turn[vertex] or (turn[here] == turn[vertex] and here < vertex):
+                    sharp[vertex] = False
+                onward = neighbors[here, 0] if neighbors[here, 0] != last else neighbors[here, 1]
+                last, here = here, onward
+    return sharp
+
+
+def _lengths(patch: Patch) -> tuple[Indices, Scalars]:
+    """One half-edge of each living edge, and their lengths."""
+    h = np.flatnonzero((patch.at >= 0) & (patch.over < np.arange(len(patch.at))))
+    corner = h - h % 3
+    a, b = patch.at[corner + (h + 1) % 3], patch.at[corner + (h + 2) % 3]
+    return h, np.linalg.norm(patch.points[a] - patch.points[b], axis=1)
+
+
+def _split(patch: Patch, guide: Guide, longest: float, budget: int = _EVERYTHING) -> Patch:
+    """Split edges, the longest first, until none is longer than `longest` or `budget` faces are new."""
+    while budget > 0:
+        h, length = _lengths(patch)
+        chosen = h[length > longest][np.argsort(-length[length > longest], kind="stable")]
+        if not len(chosen):
+            break
+        vertices, faces = len(patch.points), len(patch.at) // 3
+        patch = _grown(patch, len(chosen))
+        used_vertices, used_faces = split_edges(patch, guide, chosen, longest, budget, vertices, faces)
+        patch = _cut(patch, used_vertices, used_faces)
+        budget -= used_faces - faces
+    return patch
+
+
+def _collapse(patch: Patch, guide: Guide, shortest: float, longest: float, budget: int = _EVERYTHING) -> None:
+    h, length = _lengths(patch)
+    chosen = h[length < shortest][np.argsort(length[length < shortest], kind="stable")]
+    collapse_edges(patch, guide, chosen, shortest, longest, budget)
+
+
+def _trimmed(patch: Patch, guide: Guide, faces: int, length: float) -> Patch:
+    """Bring the count to the wanted one by splitting the longest or collapsing the shortest edges."""
+    excess = len(patch.at) // 3 - faces
+    if excess > 1:
+        _collapse(patch, guide, LONG * length, 1.5 * LONG * length, excess)
+        return _compacted(patch)
+    return _split(patch, guide, SHORT * length, -excess) if excess < -1 else patch
+
+
+def _grown(patch: Patch, splits: int) -> Patch:
+    """The patch with room for a number of splits."""
+    vertices, corners = splits, 6 * splits
+    return Patch(
+        np.concatenate([patch.points, np.zeros((vertices, 3))]),
+        np.concatenate([patch.kind, np.zeros(vertices, dtype=np.int64)]),
+        np.concatenate([patch.corner, np.full(vertices, -1)]),
+        np.concatenate([patch.at, np.full(corners, -1)]),
+        np.concatenate([patch.over, np.full(corners, -1)]),
+        np.concatenate([patch.marked, np.zeros(corners, dtype=bool)]),
+    )
+
+
+def _cut(patch: Patch, vertices: int, faces: int) -> Patch:
+    """The patch without the room it has not used."""
+    return Patch(
+        patch.points[:vertices].copy(),
+        patch.kind[:vertices].copy(),
+        patch.corner[:vertices].copy(),
+        patch.at[: 3 * faces].copy(),
+        patch.over[: 3 * faces].copy(),
+        patch.marked[: 3 * faces].copy(),
+    )
+
+
+def _compacted(patch: Patch) -> Patch:
+    """The patch without its dead faces and vertices."""
+    alive, used = patch.at >= 0, patch.corner >= 0
+    corner_now, vertex_now = np.cumsum(alive) - 1, np.cumsum(used) - 1
+    over = patch.over[alive]
+    return Patch(
+        patch.points[used],
+        patch.kind[used],
+        corner_now[patch.corner[used]],
+        vertex_now[patch.at[alive]],
+        np.where(over >= 0, corner_now[over], -1),
+        patch.marked[alive],
+    )
