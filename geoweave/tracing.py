@@ -54,7 +54,7 @@ class Spacing:
     """
 
     separation: float
-    stop: float = 0.5
+    stop: float = 0.6
     seed: float = 0.9
     shortest: float = 2.0
     close: float = 0.25
@@ -68,7 +68,7 @@ def streamlines(
     share: float = 0.04,
     singular: Flags | None = None,
     guard: float = 0.25,
-    stop: float = 0.5,
+    stop: float = 0.6,
     shortest: float = 2.0,
     seed: int = 0,
 ) -> Curves:

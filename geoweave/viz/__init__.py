@@ -1,0 +1,49 @@
+"""Pictures: the only room of the package that imports a renderer or a plotting library.
+
+Drawing returns a `Picture`, which shows itself in a notebook; publishing it is separate and last::
+
+    picture = viz.streamline_gallery([viz.Panel("Sphere", curves, view="sphere")])
+    viz.publish("fig08_gallery", picture, table=table, params=params, inputs={"sphere": mesh})
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+
+if sys.platform.startswith("linux"):
+    # Where VTK is left to choose, it tries a display first and prints what failed, with the time of day.
+    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+
+from geoweave.viz.charts import Drop, convergence_chart, drop_chart
+from geoweave.viz.gallery import (
+    VIEWS,
+    Panel,
+    Scale,
+    curl_scale,
+    curvature_scale,
+    portrait,
+    streamline_gallery,
+)
+from geoweave.viz.picture import Picture
+from geoweave.viz.publishing import mesh_digest, provenance, publish
+from geoweave.viz.scene import Scene, View
+
+__all__ = [
+    "VIEWS",
+    "Drop",
+    "Panel",
+    "Picture",
+    "Scale",
+    "Scene",
+    "View",
+    "convergence_chart",
+    "curl_scale",
+    "curvature_scale",
+    "drop_chart",
+    "mesh_digest",
+    "portrait",
+    "provenance",
+    "publish",
+    "streamline_gallery",
+]

@@ -1,0 +1,112 @@
+"""A finished figure: a matplotlib figure that turns into the same bytes every time."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Colormap
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
+
+from geoweave.errors import RenderError
+from geoweave.viz import style
+
+COLOURS = 256
+"""Colours in the palette of a published PNG; more do not show, and cost three times the bytes."""
+
+WHITE = COLOURS - 1
+"""Place of white in the palette."""
+
+
+INLINE_WIDTH, INLINE_BYTES = 1100, 300_000
+"""Pixels across, and size, of a picture within a notebook."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A figure ready to be shown or published.
+
+    In a notebook it displays itself as a PNG of reduced size.
+
+    Attributes
+    ----------
+    figure : matplotlib figure, at the resolution it is published in
+    alt : one sentence that says what is to be seen, for those who cannot see it
+    colormaps : maps shown as bars, whose steps the palette must hold
+    """
+
+    figure: Figure
+    alt: str = ""
+    colormaps: tuple[Colormap, ...] = ()
+
+    @cached_property
+    def pixels(self) -> NDArray[np.uint8]:
+        """(height, width, 3) uint8: the figure at full size and in full colour."""
+        with style.applied():
+            canvas: Any = FigureCanvasAgg(self.figure)
+            canvas.draw()
+            pixels: NDArray[np.uint8] = np.asarray(canvas.buffer_rgba())[..., :3].copy()
+            return pixels
+
+    def png(self, width: int | None = None) -> bytes:
+        """Encode as a PNG with a palette, at most ``width`` pixels wide; no date, no version, no path."""
+        image = Image.fromarray(self.pixels)
+        if width is not None and width < image.width:
+            image = image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS)
+        palette = self._palette(image)
+        index = np.array(image.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG))
+        # Pillow looks colours up in steps of eight, and so takes an off-white for white.
+        index[(np.asarray(image) == 255).all(axis=2)] = WHITE
+        held = Image.fromarray(index)
+        held.putpalette(palette.getpalette() or [])
+        buffer = io.BytesIO()
+        held.save(buffer, format="PNG", optimize=True)
+        return buffer.getvalue()
+
+    def png_within(self, limit: int, width: int | None = None) -> bytes:
+        """Encode as large as fits into ``limit`` bytes, in steps of a tenth of the width."""
+        full = min(width or self.pixels.shape[1], self.pixels.shape[1])
+        for tenths in range(10, 1, -1):
+            encoded = self.png(full * tenths // 10)
+            if len(encoded) <= limit:
+                return encoded
+        raise RenderError(f"the figure does not fit into {limit:,} bytes even at a fifth of its size")
+
+    def _palette(self, image: Image.Image) -> Image.Image:
+        """Choose colours by what the picture holds, with a place for every step of its colour bars.
+
+        White keeps a place of its own, so that the ground stays exactly white.
+        """
+        seen = np.asarray(image)[::2, ::2].reshape(-1, 3)
+        seen = seen[(seen < 255).any(axis=1)]
+        if self.colormaps:
+            steps = [
+                np.rint(255 * each(np.linspace(0, 1, 48))[:, :3]).astype(np.uint8) for each in self.colormaps
+            ]
+            ramp = np.concatenate(steps)
+            times = max(1, len(seen) // (2 * len(ramp)))
+            seen = np.concatenate([seen, np.repeat(ramp, times, axis=0)])
+        if not len(seen):
+            seen = np.zeros((1, 3), dtype=np.uint8)
+        palette = Image.fromarray(seen[None]).quantize(COLOURS - 1, method=Image.Quantize.MEDIANCUT)
+        chosen = (palette.getpalette() or [])[: 3 * WHITE]
+        palette.putpalette([*chosen, *[0] * (3 * WHITE - len(chosen)), 255, 255, 255])
+        return palette
+
+    def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
+        return {
+            "image/png": self.png_within(INLINE_BYTES, INLINE_WIDTH),
+            "text/plain": f"Picture({self.alt!r})",
+        }
+
+
+def sheet(width: int, height: int) -> Figure:
+    """Make an empty white figure of a size in pixels, which draws nothing by itself."""
+    with style.applied():
+        return Figure(figsize=(width / style.DPI, height / style.DPI), dpi=style.DPI)

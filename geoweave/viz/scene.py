@@ -1,0 +1,288 @@
+"""One rendered view of a surface with curves and singularities on it, as an array of pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyvista as pv
+from matplotlib.colors import Colormap
+from numpy.typing import NDArray
+from PIL import Image, ImageFilter
+
+from geoweave.arrays import Scalars, Vectors
+from geoweave.curves import Curves
+from geoweave.errors import RenderError
+from geoweave.mesh import Similarity, TriMesh
+from geoweave.viz import style
+
+Pixels = NDArray[np.uint8]
+"""(height, width, 3) uint8."""
+
+SUPERSAMPLING = 2
+"""Pictures are rendered this much larger in both directions and averaged down."""
+
+MARGIN = 0.03
+"""White border of a picture, as a share of the longer side of the model."""
+
+OCCLUSION_RADIUS = 0.08
+"""Radius of ambient occlusion, as a share of the diagonal of the model's box."""
+
+OCCLUSION_OPEN = 0.96
+"""Share of open sky above which a point counts as open: the renderer finds a little shade everywhere."""
+
+OCCLUSION_STRENGTH = 2.0
+"""Exponent on the share of open sky."""
+
+OCCLUSION_BLUR = 0.002
+"""Blur of the occlusion, as a share of the height of the picture."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Where a model is looked at from.
+
+    Attributes
+    ----------
+    azimuth : degrees turned about the up axis; 0 looks along the second horizontal axis
+    elevation : degrees above the horizon
+    up : the axis that stands upright, "x", "y" or "z", with a minus sign if it points down
+    opening : vertical angle of the lens in degrees; small is nearly parallel
+    """
+
+    azimuth: float = 30.0
+    elevation: float = 15.0
+    up: str = "z"
+    opening: float = 14.0
+
+    @property
+    def axes(self) -> Vectors:
+        """(3, 3) rows: to the right, up in the picture, towards the eye."""
+        if self.up.lstrip("-") not in ("x", "y", "z"):
+            raise RenderError(
+                f"the up axis of a view is x, y or z, perhaps with a minus sign, not '{self.up}'"
+            )
+        k = "xyz".index(self.up[-1])
+        up = np.zeros(3)
+        up[k] = -1.0 if self.up.startswith("-") else 1.0
+        front = np.zeros(3)
+        front[(k + 1) % 3 if k != 1 else 2] = 1.0
+        side = np.cross(up, front)
+        turn, lift = np.radians(self.azimuth), np.radians(self.elevation)
+        level = np.cos(turn) * front + np.sin(turn) * side
+        eye = np.cos(lift) * level + np.sin(lift) * up
+        right = np.cross(up, level)
+        return np.stack([right, np.cross(eye, right), eye])
+
+
+@dataclass
+class Scene:
+    """A surface and what lies on it, ready to be drawn from one view.
+
+    ``draw`` frames the surface tightly: the picture's aspect is that of the projected model, and a margin on
+    every side stays white.
+    """
+
+    view: View = field(default_factory=View)
+    _actors: list[tuple[pv.PolyData, dict[str, Any]]] = field(default_factory=list)
+    _points: list[Vectors] = field(default_factory=list)
+    _placement: Similarity | None = None
+
+    # -- what is in it ----------------------------------------------------------------------------------
+
+    def add_surface(
+        self,
+        mesh: TriMesh,
+        *,
+        values: Scalars | None = None,
+        limit: float | None = None,
+        colour: str = style.SURFACE,
+        crease: float = 50.0,
+    ) -> None:
+        """Add the surface, smooth but for creases sharper than ``crease`` degrees.
+
+        ``values`` (F,) are shown on the diverging map from ``-limit`` to ``limit``, one colour a face.
+        """
+        if self._placement is None:
+            # The renderer's depths and radii have absolute tolerances: it gets models of one size only.
+            self._placement = mesh.normalized()[1]
+        placed = self._placement.apply(mesh.vertices)
+        soup = pv.PolyData(placed, np.insert(mesh.faces, 0, 3, axis=1).ravel())
+        look: dict[str, Any] = {"color": colour}
+        if values is not None:
+            soup.cell_data["values"] = values
+            reach = float(np.abs(values).max()) if limit is None else limit
+            look = {"scalars": "values", "cmap": style.diverging(), "clim": (-reach, reach)}
+        soup = soup.compute_normals(
+            cell_normals=False, split_vertices=True, feature_angle=crease, consistent_normals=False
+        )
+        look |= {"ambient": 0.30, "diffuse": 0.74, "specular": 0.08, "specular_power": 10.0, "occludes": True}
+        self._actors.append((soup, look))
+        self._points.append(placed)
+
+    def add_curves(
+        self,
+        curves: Curves,
+        radius: float,
+        *,
+        values: Scalars | None = None,
+        limits: tuple[float, float] = (0.0, 1.0),
+        colormap: Colormap | None = None,
+        colour: str = style.INK,
+    ) -> None:
+        """Add curves as round tubes of a radius, coloured by ``values`` (P,) at their points if given."""
+        owner, lines = _joined(curves)
+        placement = self._placed()
+        # Half sunk into the surface, a tube would flicker where the facets are coarse.
+        lifted = curves.points[owner] + 0.35 * radius * curves.normals[owner]
+        thread = pv.PolyData(placement.apply(lifted), lines=lines)
+        look: dict[str, Any] = {"color": colour}
+        if values is not None:
+            thread.point_data["values"] = values[owner]
+            look = {"scalars": "values", "cmap": colormap or style.sequential(), "clim": limits}
+        tubes = thread.tube(radius=radius / placement.scale, n_sides=8)
+        look |= {"ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
+        self._actors.append((tubes, look))
+
+    def add_dots(self, points: Vectors, radius: float, colours: Sequence[str]) -> None:
+        """Add small balls, one colour each."""
+        placement = self._placed()
+        ball = pv.Sphere(radius=radius / placement.scale, theta_resolution=24, phi_resolution=24)
+        for colour in sorted(set(colours)):
+            centres = placement.apply(points[np.array([each == colour for each in colours])])
+            balls = pv.PolyData(centres).glyph(geom=ball, scale=False, orient=False)
+            self._actors.append((balls, {"color": colour, "ambient": 0.35, "diffuse": 0.7, "specular": 0.2}))
+
+    def _placed(self) -> Similarity:
+        if self._placement is None:
+            raise RenderError("the scene holds no surface: add one before what lies on it")
+        return self._placement
+
+    # -- what it looks like -----------------------------------------------------------------------------
+
+    @property
+    def aspect(self) -> float:
+        """Width of the framed picture over its height."""
+        return self._frame()[2]
+
+    def draw(self, height: int, *, width: int | None = None) -> Pixels:
+        """Render at a height in pixels; the width follows from the model unless given (then it is centred).
+
+        Returns
+        -------
+        (height, width, 3) uint8 on white.
+
+        Raises
+        ------
+        RenderError
+            If the renderer returns nothing but background.
+        """
+        centre, distance, aspect, half = self._frame()
+        if width is None:
+            width = max(8, round(height * aspect))
+        # A picture narrower than the model would clip it: open the lens until the width fits.
+        half *= max(1.0, aspect * height / width)
+        camera = _Camera(self.view.axes, centre, distance, half)
+        extent = max(float(np.linalg.norm(np.ptp(p, axis=0))) for p in self._points)
+        picture = _shot(self._actors, camera, extent, (SUPERSAMPLING * width, SUPERSAMPLING * height))
+        if (picture == 255).all():
+            raise RenderError("the renderer drew nothing: run 'geoweave doctor' to see what it needs")
+        small = Image.fromarray(picture).resize((width, height), Image.Resampling.BOX)
+        # Occlusion by the surface alone: threads are too thin to cast shade, and would only make noise.
+        white = {"color": "white", "ambient": 0.98, "diffuse": 0.02}
+        surfaces = [(data, white) for data, look in self._actors if look.get("occludes")]
+        shade = _shot(surfaces, camera, extent, (width, height), occlusion=OCCLUSION_RADIUS * extent)
+        soft = Image.fromarray(shade).filter(ImageFilter.GaussianBlur(OCCLUSION_BLUR * height))
+        light = np.minimum(1.0, np.asarray(soft) / (255.0 * OCCLUSION_OPEN)) ** OCCLUSION_STRENGTH
+        lit = np.asarray(small)
+        light[(lit == 255).all(axis=2)] = 1.0
+        return np.rint(lit * light).astype(np.uint8)
+
+    def _frame(self) -> tuple[Vectors, float, float, float]:
+        """Centre, distance of the eye, aspect, and half height of the picture at the centre.
+
+        The eye is moved sideways until the perspective picture of the points lies centred, which takes a few
+        rounds since its bounds move too.
+        """
+        if not self._points:
+            raise RenderError("the scene holds no surface: add one before drawing")
+        points = np.concatenate(self._points)
+        axes = self.view.axes
+        centre = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        radius = float(np.linalg.norm(points - centre, axis=1).max())
+        distance = radius / np.sin(np.radians(0.5 * self.view.opening))
+        half = np.ones(2)
+        for _ in range(8):
+            seen = (points - centre) @ axes.T
+            plane = seen[:, :2] * (distance / (distance - seen[:, 2:]))
+            low, high = plane.min(axis=0), plane.max(axis=0)
+            half = 0.5 * (high - low)
+            centre = centre + 0.5 * (low + high) @ axes[:2]
+        # What lies on the surface sticks out a little: the margin also covers it.
+        half = half + 2.0 * MARGIN * half.max()
+        return centre, distance, float(half[0] / half[1]), float(half[1])
+
+
+def _joined(curves: Curves) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Curve points to draw, and VTK's list of lines over them; closed curves come back to their start.
+
+    Points closer than a hundredth of a mean edge to the one before are left out: a tube needs a direction.
+    """
+    arc, least = curves.arclength, 0.01 * curves.mesh.mean_edge
+    owners, cells, total = [], [], 0
+    for c in range(len(curves)):
+        own = np.arange(curves.offsets[c], curves.offsets[c + 1])
+        own = own[np.concatenate([[True], np.diff(np.floor(arc[own] / least)) > 0])]
+        if curves.closed[c]:
+            own = np.append(own, own[0])
+        if len(own) > 1:
+            owners.append(own)
+            cells.append(np.concatenate([[len(own)], total + np.arange(len(own))]))
+            total += len(own)
+    return np.concatenate(owners), np.concatenate(cells)
+
+
+class _Camera(NamedTuple):
+    axes: Vectors
+    centre: Vectors
+    distance: float
+    half: float
+
+
+def _shot(
+    actors: Sequence[tuple[pv.PolyData, dict[str, Any]]],
+    camera: _Camera,
+    extent: float,
+    size: tuple[int, int],
+    occlusion: float = 0.0,
+) -> Pixels:
+    """Render once; with ``occlusion`` > 0 the renderer darkens what is hidden within that radius."""
+    plotter = pv.Plotter(
+        off_screen=True, window_size=list(size), lighting="none", theme=pv.themes.DocumentTheme()
+    )
+    plotter.background_color = style.GROUND
+    for data, look in actors:
+        options = {name: value for name, value in look.items() if name != "occludes"}
+        plotter.add_mesh(data, smooth_shading=True, show_scalar_bar=False, copy_mesh=False, **options)
+    right, up, eye = camera.axes
+    # A key light over the left shoulder, a soft fill from the right and from the eye, a weak rim from behind.
+    for direction, intensity, colour in (
+        (-0.6 * right + 0.8 * up + 1.0 * eye, 0.68, "#fffaf2"),
+        (eye, 0.18, "#ffffff"),
+        (1.0 * right + 0.1 * up + 0.9 * eye, 0.36, "#fdf8f0"),
+        (0.2 * right + 0.9 * up - 1.0 * eye, 0.20, "#ffffff"),
+    ):
+        light = pv.Light(position=direction, focal_point=(0, 0, 0), color=colour, intensity=intensity)
+        plotter.add_light(light)
+    plotter.camera.position = camera.centre + camera.distance * eye
+    plotter.camera.focal_point = camera.centre
+    plotter.camera.up = up
+    plotter.camera.view_angle = np.degrees(2.0 * np.arctan(camera.half / camera.distance))
+    plotter.camera.clipping_range = (camera.distance - extent, camera.distance + extent)
+    if occlusion > 0.0:
+        plotter.enable_ssao(radius=occlusion, bias=0.08 * occlusion, kernel_size=128, blur=True)
+    picture = np.asarray(plotter.screenshot(return_img=True))[..., :3]
+    plotter.close()
+    return np.ascontiguousarray(picture)
