@@ -122,6 +122,16 @@ class ClosedProjection:
         self._factors = factorized(fields.mass + smoothness * fields.smoothness, ordering)
         self._pins = _Pins(fields, self._factors, handles) if handles is not None else None
 
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+        return self._factors.size
+
+    @property
+    def fill(self) -> int:
+        """Stored entries of the factors."""
+        return self._factors.fill
+
     def __call__(self, w: Complexes) -> tuple[Complexes, float]:
         """Return the closed field v nearest to w, (F,), and the energy of Eq. 5 at ``delta = v - w``."""
         x = self._factors.solve(self.fields.basis_transposed @ (self._mass * as_real(w)))
@@ -131,7 +141,7 @@ class ClosedProjection:
         if self._pins is not None:
             v = self._pins.exact(v)
         distance = float(self.fields.mesh.face_areas @ np.abs(v - w) ** 2)
-        roughness = float(x @ (self.fields.smoothness @ x)) if self.smoothness else 0.0
+        roughness = max(0.0, float(x @ (self.fields.smoothness @ x)))
         return v, 0.5 * distance + 0.5 * self.smoothness * roughness
 
 
@@ -158,8 +168,10 @@ class _Pins:
             )
 
     def impose(self, x: Scalars) -> Scalars:
-        excess = self._values - self._constraint @ x
-        return x + self._response @ (self._inverse @ excess)
+        # The second round takes away what rounding left in the first: 1e-9 at large smoothness.
+        for _ in range(2):
+            x = x + self._response @ (self._inverse @ (self._values - self._constraint @ x))
+        return x
 
     def exact(self, v: Complexes) -> Complexes:
         v = v.copy()

@@ -27,7 +27,7 @@ def two_pieces() -> TriMesh:
     """A torus and, apart from it, a disk: two components, one of them with a boundary."""
     ring, disk = shapes.torus(1.0, 0.4, faces=600), shapes.disk(faces=300)
     return TriMesh(
-        np.concatenate([ring.vertices, disk.vertices + [4.0, 0.0, 0.0]]),
+        np.concatenate([ring.vertices, disk.vertices + np.array([4.0, 0.0, 0.0])]),
         np.concatenate([ring.faces, disk.faces + ring.n_vertices]),
     )
 
@@ -36,11 +36,11 @@ BUILDERS = {
     "sphere": lambda: shapes.sphere(faces=1280),
     "jagged sphere": jagged_sphere,
     "torus": lambda: shapes.torus(1.0, 0.4, faces=1500),
-    "genus 5": lambda: shapes.genus_g(5, faces=3000),
+    "genus 5": lambda: shapes.genus_g(5, faces=2000),
     "disk": lambda: shapes.disk(faces=800),
     "annulus": lambda: shapes.annulus(0.4, 1.0, faces=900),
     "cylinder": lambda: shapes.cylinder(1.0, 2.0, faces=1200),
-    "Schwarz-P": lambda: shapes.schwarz_p(faces=4000),
+    "Schwarz-P": lambda: shapes.schwarz_p(faces=3000),
     "two pieces": two_pieces,
 }
 ALL = tuple(BUILDERS)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from surfaces import ALL, surface
 
+from geoweave import shapes
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, Handles, edge_curl, random_field, total_curl
 from geoweave.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
@@ -68,7 +69,8 @@ def test_the_projection_minimises(name):
         assert up == pytest.approx(down, rel=1e-4)
 
 
-@pytest.mark.parametrize("name", ALL)
+# Where the start is a solution already (flat pieces), there is nothing to accelerate.
+@pytest.mark.parametrize("name", ["sphere", "jagged sphere", "torus", "genus 5", "Schwarz-P"])
 def test_momentum_reaches_a_lower_energy_in_the_same_number_of_steps(name):
     mesh = surface(name)
     initial = smoothest_field(mesh)
@@ -101,7 +103,7 @@ def test_helices_on_a_cylinder_stay():
 
 def test_sphere_flows_to_great_circles_without_vorticity():
     """Fig. 7: streamlines are meridians through the two singularities."""
-    mesh = surface("sphere")
+    mesh = shapes.sphere(subdivisions=4)
     solve = geodesic_field(smoothest_field(mesh, phase="seeded"), smoothness=[1.0, 1e-2, 1e-4])
     ends = singular_vertices(solve.field)
     assert len(ends) == 2
@@ -109,6 +111,7 @@ def test_sphere_flows_to_great_circles_without_vorticity():
     pole = mesh.vertices[ends[0]]
     meridian = FaceField.from_ambient(mesh, np.broadcast_to(pole, (mesh.n_faces, 3))).normalized()
     angle = np.degrees(np.abs(np.angle((solve.field.values * meridian.values.conj()) ** 2) / 2))
+    # Measured 0.64 degrees, and 0.26 on four times the faces: it falls with the mesh.
     assert np.average(angle, weights=mesh.face_areas) < 1
 
 

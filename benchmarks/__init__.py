@@ -1,0 +1,1 @@
+"""Speed, memory and growth, measured in one run and stated as ratios."""

@@ -1,0 +1,77 @@
+"""Run the benchmarks: ``python -m benchmarks [--largest SUBDIVISIONS]``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+SMALLEST = 5
+
+
+def child(module: str, *arguments: str) -> dict:
+    """Run one measurement in a process of its own, so that its peak memory is its own."""
+    command = [sys.executable, "-m", f"benchmarks.{module}", *arguments]
+    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout)
+
+
+def growth(largest: int) -> dict:
+    print("Algorithm 1 on spheres, default schedule, from the smoothest field; seconds of wall clock.")
+    print("The limit is one factorisation of the mesh's cotan Laplacian and as many solves with it.\n")
+    print(
+        f"{'faces':>9} {'start':>7} {'total':>7} {'set-up':>7} {'factor':>7} {'steps':>7} {'n':>4} "
+        f"{'limit':>7} {'multiple':>8} {'memory':>8} {'curl':>7}"
+    )
+    rows = []
+    for subdivisions in range(SMALLEST, largest + 1):
+        row = child("algorithm1", str(subdivisions))
+        rows.append(row)
+        print(
+            f"{row['faces']:>9,} {row['start']:>7.2f} {row['total']:>7.2f} {row['setup']:>7.2f} "
+            f"{row['factor']:>7.2f} {row['steps']:>7.2f} {row['iterations']:>4} {row['limit']:>7.2f} "
+            f"{row['multiple']:>7.1f}x {row['memory_gb']:>5.2f} GB {row['curl']:>7.3f}",
+            flush=True,
+        )
+    faces, total = np.array([[row["faces"], row["total"]] for row in rows]).T
+    exponent = float(np.polyfit(np.log(faces), np.log(total), 1)[0]) if len(rows) > 1 else float("nan")
+    print(f"\ngrowth of the total: faces to the power {exponent:.2f}")
+    print("start: smoothest field; set-up: operators and ordering; factor runs beside the steps, so that")
+    print("the total is less than the sum of its parts; n: linear systems solved.\n")
+    return {"rows": rows, "exponent": exponent}
+
+
+def against_kkt() -> list[dict]:
+    print("One delta step: the reduced system against the paper's KKT system, both by SuperLU.")
+    print(f"{'faces':>9} {'unknowns':>20} {'seconds':>20} {'ratio':>7} {'fill':>22} {'difference':>11}")
+    rows = []
+    for subdivisions in (3, 4, 5):
+        row = child("kkt", str(subdivisions))
+        rows.append(row)
+        print(
+            f"{row['faces']:>9,} {row['reduced']['unknowns']:>9,} / {row['kkt']['unknowns']:>8,} "
+            f"{row['reduced']['seconds']:>9.3f} / {row['kkt']['seconds']:>8.3f} {row['ratio']:>6.1f}x "
+            f"{row['reduced']['fill']:>10,} / {row['kkt']['fill']:>10,} {row['difference']:>10.0e}",
+            flush=True,
+        )
+    return rows
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument(
+        "--largest", type=int, default=8, help="subdivisions of the largest sphere (8: 1.3 M faces)"
+    )
+    largest = parser.parse_args().largest
+    results = {"growth": growth(largest), "kkt": against_kkt()}
+    path = Path("build/bench/results.json")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
+    print(f"\nwritten to {path}")
+
+
+if __name__ == "__main__":
+    main()

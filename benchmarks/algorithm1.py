@@ -1,0 +1,78 @@
+"""Measure Algorithm 1 on one sphere: total, stages, peak memory, and the limit it is compared with."""
+
+from __future__ import annotations
+
+import json
+import sys
+from time import perf_counter
+
+import numpy as np
+
+from benchmarks.memory import peak_gigabytes
+from geoweave.fields import total_curl
+from geoweave.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
+from geoweave.linalg import factorized, nested_dissection
+from geoweave.mesh import TriMesh
+from geoweave.operators import ClosedFields
+from geoweave.rosy import smoothest_field
+from geoweave.shapes import sphere
+
+
+def measure(subdivisions: int) -> dict:
+    made = sphere(subdivisions=subdivisions)
+    mesh = TriMesh(made.vertices, made.faces)
+    clock = perf_counter()
+    start = smoothest_field(mesh)
+    started = perf_counter() - clock
+
+    clock = perf_counter()
+    solve = geodesic_field(start)
+    total = perf_counter() - clock
+    memory = peak_gigabytes()
+
+    clock = perf_counter()
+    fields = ClosedFields(mesh)
+    ordering = ordering_of(fields)
+    _ = fields.mass, fields.basis_transposed
+    setup = perf_counter() - clock
+    schedule = sharpening_schedule(mesh)
+    clock = perf_counter()
+    project = ClosedProjection(fields, schedule[-1], ordering)
+    factor = (perf_counter() - clock) * len(schedule)
+    clock = perf_counter()
+    for _ in range(5):
+        project(start.values)
+    step = (perf_counter() - clock) / 5
+
+    systems = solve.iterations + len(schedule)
+    limit = cotan_limit(fields, systems)
+    return {
+        "faces": mesh.n_faces,
+        "start": started,
+        "total": total,
+        "setup": setup,
+        "factor": factor,
+        "steps": step * systems,
+        "iterations": systems,
+        "limit": limit,
+        "multiple": total / limit,
+        "memory_gb": memory,
+        "curl": total_curl(solve.field),
+    }
+
+
+def cotan_limit(fields: ClosedFields, solves: int) -> float:
+    """Seconds for one factorisation of the cotan Laplacian (its ordering included) and ``solves`` solves."""
+    laplacian = fields.mass
+    right = np.random.default_rng(0).normal(size=laplacian.shape[0])
+    clock = perf_counter()
+    factors = factorized(laplacian, nested_dissection(laplacian))
+    factoring = perf_counter() - clock
+    clock = perf_counter()
+    for _ in range(5):
+        factors.solve(right)
+    return factoring + solves * (perf_counter() - clock) / 5
+
+
+if __name__ == "__main__":
+    print(json.dumps(measure(int(sys.argv[1]))))
