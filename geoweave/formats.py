@@ -8,14 +8,19 @@ indices from the end of the file, and split vertices where texture coordinates c
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Callable
-from typing import NamedTuple
+from itertools import chain, islice
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geoweave.arrays import Indices, Triangles, Vectors
 from geoweave.errors import MeshError
 
+_POINT = re.compile(rb"^[ \t]*v[ \t]+(.*)$", re.MULTILINE)
+_POLYGON = re.compile(rb"^[ \t]*f[ \t]+(.*)$", re.MULTILINE)
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -42,29 +47,31 @@ def read_obj(data: bytes) -> RawMesh:
     """Read the vertices and polygons of a Wavefront OBJ file; texture, normals and groups are left out."""
     text = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b"  ")
     text = re.sub(rb"#[^\n]*", b"", text)
-    points = list(re.finditer(rb"^[ \t]*v[ \t]+(.*)$", text, re.MULTILINE))
-    polygons = list(re.finditer(rb"^[ \t]*f[ \t]+(.*)$", text, re.MULTILINE))
+    points, polygons = _POINT.findall(text), _POLYGON.findall(text)
     if not points:
         raise MeshError("it has no vertex lines ('v x y z')")
-    rows = [match[1].split()[:3] for match in points]
-    vertices = _coordinates(rows, lambda row: _line(text, points[row].start()))
+    rows = [words.split()[:3] for words in points]
+    vertices = _coordinates(rows, lambda row: _line_of_match(_POINT, text, row))
     if not polygons:
         return RawMesh(vertices, np.empty((0, 3), dtype=np.int64))
 
-    names = [re.sub(rb"/\S*", b"", match[1]).split() for match in polygons]
+    body = b"\n".join(polygons)
+    names = [words.split() for words in re.sub(rb"/\S*", b"", body).split(b"\n")]
     counts = np.array([len(name) for name in names], dtype=np.int64)
     if (counts < 3).any():
-        line = _line(text, polygons[int(np.flatnonzero(counts < 3)[0])].start())
+        line = _line_of_match(_POLYGON, text, int(np.flatnonzero(counts < 3)[0]))
         raise MeshError(f"line {line}: a face needs three vertices or more")
-    corners = _integers(names, lambda row: _line(text, polygons[row].start()))
-    seen = np.searchsorted([match.start() for match in points], [match.start() for match in polygons])
-    before = np.repeat(seen, counts)  # a relative index counts back from the last vertex above its line
-    index = np.where(corners > 0, corners - 1, before + corners)
+    corners = _integers(names, lambda row: _line_of_match(_POLYGON, text, row))
+    index = corners - 1
+    if (corners < 0).any():
+        # a relative index counts back from the last vertex above its line
+        starts = [np.array([match.start() for match in one.finditer(text)]) for one in (_POINT, _POLYGON)]
+        above = np.repeat(np.searchsorted(starts[0], starts[1]), counts)
+        index = np.where(corners < 0, above + corners, index)
     wrong = (corners == 0) | (index < 0) | (index >= len(vertices))
     if wrong.any():
         first = int(np.flatnonzero(wrong)[0])
-        row = int(np.repeat(np.arange(len(counts)), counts)[first])
-        line = _line(text, polygons[row].start())
+        line = _line_of_match(_POLYGON, text, int(np.repeat(np.arange(len(counts)), counts)[first]))
         raise MeshError(
             f"line {line}: a face names vertex {corners[first]}, but the file has vertices 1..{len(vertices)}"
         )
@@ -74,36 +81,39 @@ def read_obj(data: bytes) -> RawMesh:
 def read_off(data: bytes) -> RawMesh:
     """Read an OFF file, also with normals, colours or texture coordinates (NOFF, COFF, STOFF), as text."""
     lines = re.sub(rb"#[^\r\n]*", b"", data).splitlines()
-    numbered = [(number, line) for number, line in enumerate(lines, start=1) if line.strip()]
-    head = re.match(rb"\s*(?:ST)?C?N?OFF\b(.*)", numbered[0][1]) if numbered else None
+    rows = [words for words in map(bytes.split, lines) if words]
+    head = re.match(rb"(?:ST)?C?N?OFF\b", rows[0][0]) if rows else None
     if head is None:
         raise MeshError("it does not begin with the word OFF")
-    if head[1].strip().upper().startswith(b"BINARY"):
+    if rows[0][1:] and rows[0][1].upper() == b"BINARY":
         raise MeshError("it is a binary OFF file; save it as text, or as PLY")
-    body = [(numbered[0][0], head[1]), *numbered[1:]] if head[1].strip() else numbered[1:]
+    first = 1 if len(rows[0]) == 1 else 0  # the counts may follow on the same line
     try:
-        n_vertices, n_faces = (int(word) for word in body[0][1].split()[:2])
+        n_vertices, n_faces = (int(word) for word in rows[first][1 - first :][:2])
     except (IndexError, ValueError) as error:
         raise MeshError("the numbers of vertices and faces are missing after the word OFF") from error
-    if n_vertices < 0 or n_faces < 0 or len(body) < 1 + n_vertices + n_faces:
+    body = rows[first + 1 :]
+    if n_vertices < 0 or n_faces < 0 or len(body) < n_vertices + n_faces:
         raise MeshError(
-            f"it announces {n_vertices} vertices and {n_faces} faces, but has {len(body) - 1} lines "
+            f"it announces {n_vertices} vertices and {n_faces} faces, but has {len(body)} lines "
             "for them (cut short)"
         )
-    points, polygons = body[1 : 1 + n_vertices], body[1 + n_vertices : 1 + n_vertices + n_faces]
-    vertices = _coordinates([line.split()[:3] for _, line in points], lambda row: points[row][0])
+    points, polygons = body[:n_vertices], body[n_vertices : n_vertices + n_faces]
 
-    words = [line.split() for _, line in polygons]
-    counts = _integers([word[:1] for word in words], lambda row: polygons[row][0])
-    present = np.array([len(word) - 1 for word in words], dtype=np.int64)
+    def line_of(row: int) -> int:
+        return [number for number, line in enumerate(lines, start=1) if line.strip()][first + 1 + row]
+
+    vertices = _coordinates([words[:3] for words in points], line_of)
+    counts = _integers([words[:1] for words in polygons], lambda row: line_of(n_vertices + row))
+    present = np.array([len(words) - 1 for words in polygons], dtype=np.int64)
     if (counts < 3).any() or (present < counts).any():
         row = int(np.flatnonzero((counts < 3) | (present < counts))[0])
         raise MeshError(
-            f"line {polygons[row][0]}: a face announces {counts[row]} vertices and names {present[row]}, "
-            "and it needs three or more"
+            f"line {line_of(n_vertices + row)}: a face announces {counts[row]} vertices and names "
+            f"{present[row]}, and it needs three or more"
         )
-    names = [word[1 : 1 + count] for word, count in zip(words, counts.tolist(), strict=True)]
-    corners = _integers(names, lambda row: polygons[row][0])
+    names = [words[1 : 1 + count] for words, count in zip(polygons, counts.tolist(), strict=True)]
+    corners = _integers(names, lambda row: line_of(n_vertices + row))
     return RawMesh(vertices, fan_triangles(corners, counts))
 
 
@@ -144,39 +154,38 @@ def _line(text: bytes, position: int) -> int:
     return text.count(b"\n", 0, position) + 1
 
 
+def _line_of_match(pattern: re.Pattern[bytes], text: bytes, row: int) -> int:
+    return _line(text, next(islice(pattern.finditer(text), row, None)).start())
+
+
 def _coordinates(rows: list[list[bytes]], line_of: Callable[[int], int]) -> Vectors:
-    if not rows:
-        return np.empty((0, 3))
-    try:
-        return np.array(rows, dtype=np.float64).reshape(-1, 3)
-    except ValueError:
-        for row, words in enumerate(rows):
-            if len(words) != 3 or not all(map(_is_number, words)):
-                raise MeshError(
-                    f"line {line_of(row)}: a vertex needs three numbers, not {_quoted(words)}"
-                ) from None
-        raise
+    words = list(chain.from_iterable(rows))
+    numbers = _parsed(words, np.float64)
+    if numbers is not None and all(len(row) == 3 for row in rows):
+        return numbers.reshape(-1, 3)
+    row = next(k for k, row in enumerate(rows) if len(row) != 3 or _parsed(row, np.float64) is None)
+    raise MeshError(f"line {line_of(row)}: a vertex needs three numbers, not {_quoted(rows[row])}")
 
 
 def _integers(rows: list[list[bytes]], line_of: Callable[[int], int]) -> Indices:
-    words = [word for row in rows for word in row]
-    try:
-        return np.array([int(word) for word in words], dtype=np.int64)
-    except (ValueError, OverflowError):
-        for row, names in enumerate(rows):
-            if not all(re.fullmatch(rb"[+-]?\d{1,18}", name) for name in names):
-                raise MeshError(
-                    f"line {line_of(row)}: a face needs whole numbers, not {_quoted(names)}"
-                ) from None
-        raise
+    words = list(chain.from_iterable(rows))
+    numbers = _parsed(words, np.int64)
+    if numbers is not None:
+        return numbers
+    row = next(k for k, row in enumerate(rows) if _parsed(row, np.int64) is None)
+    raise MeshError(f"line {line_of(row)}: a face needs whole numbers, not {_quoted(rows[row])}")
 
 
-def _is_number(word: bytes) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+def _parsed(words: list[bytes], kind: type[np.generic]) -> NDArray[Any] | None:
+    """One number per word, or None if a word is no number of this kind."""
+    with warnings.catch_warnings():
+        # numpy stops at the first word that is no number, and only warns about it
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            numbers = np.fromstring(b" ".join(words), dtype=kind, sep=" ")
+        except (DeprecationWarning, ValueError):
+            return None
+    return numbers if len(numbers) == len(words) else None
 
 
 def _quoted(words: list[bytes]) -> str:

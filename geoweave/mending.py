@@ -7,6 +7,7 @@ Coordinates only enter through ratios, so the unit and the place of the model do
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -50,17 +51,24 @@ class Edges:
         key, of_halfedge, counts = np.unique(key, return_inverse=True, return_counts=True)
         return cls(np.stack([key // size, key % size], axis=1), of_halfedge, counts)
 
+    @cached_property
     def halfedge_pairs(self) -> Indices:
         """(P, 2) half-edges that lie on the same edge; an edge with n faces gives n - 1 pairs."""
         order = np.argsort(self.of_halfedge, kind="stable")
         same = np.flatnonzero(self.of_halfedge[order[1:]] == self.of_halfedge[order[:-1]])
         return np.stack([order[same], order[same + 1]], axis=1)
 
+    @cached_property
     def manifold_pairs(self) -> Indices:
         """(P, 2) half-edges of the edges that exactly two faces share."""
-        pairs = self.halfedge_pairs()
+        pairs = self.halfedge_pairs
         twice: Flags = self.counts[self.of_halfedge[pairs[:, 0]]] == 2
         return pairs[twice]
+
+    @cached_property
+    def face_components(self) -> Indices:
+        """(F,) number of the component of each face; faces are connected over edges, not single vertices."""
+        return connected(self.halfedge_pairs // 3, len(self.of_halfedge) // 3)
 
 
 def connected(pairs: Indices, size: int) -> Indices:
@@ -106,25 +114,34 @@ def flat(vertices: Vectors, faces: Triangles) -> Flags:
     return np.asarray(areas <= (FLAT * longest + rounding) * longest)
 
 
-def coincident(vertices: Vectors, faces: Triangles) -> Indices:
+def used_vertices(faces: Triangles, size: int) -> tuple[Indices, Triangles]:
+    """Vertices (out of ``size``) that the faces use, in order, and the faces in their numbering."""
+    used = np.zeros(size, dtype=bool)
+    used[faces] = True
+    number = np.cumsum(used) - 1
+    return np.flatnonzero(used), number[faces]
+
+
+def coincident(vertices: Vectors, faces: Triangles, edges: Edges, flat_faces: Flags) -> Indices:
     """(V,) lowest vertex that each vertex coincides with.
 
     Only ends of open edges are joined, so that closed surfaces that touch stay apart, and the ends of the
-    short side of a needle.
+    short side of a needle, which is a flat face.
     """
-    edges = Edges.of(faces)
-    open_vertices = np.unique(edges.ends[edges.counts == 1])
+    open_vertices = np.zeros(len(vertices), dtype=bool)
+    open_vertices[edges.ends[edges.counts == 1]] = True
     size = float(np.linalg.norm(np.ptp(vertices[faces.ravel()], axis=0)))
-    pairs = [_close_pairs(vertices, open_vertices, COINCIDENT * size)]
+    close = _close_pairs(vertices, np.flatnonzero(open_vertices), COINCIDENT * size)
 
-    lengths, _ = shapes_of(vertices, faces)
-    shortest = lengths.argmin(axis=1)
-    needle = flat(vertices, faces) & (lengths.min(axis=1) <= COINCIDENT * lengths.max(axis=1))
-    corners = faces[needle]
-    rows = np.arange(len(corners))
-    k = shortest[needle]
-    pairs.append(np.stack([corners[rows, (k + 1) % 3], corners[rows, (k + 2) % 3]], axis=1))
-    return first_of_each(connected(np.concatenate(pairs), len(vertices)))
+    corners = faces[flat_faces]
+    lengths, _ = shapes_of(vertices, corners)
+    needle = lengths.min(axis=1, initial=np.inf) <= COINCIDENT * lengths.max(axis=1, initial=0.0)
+    rows, k = np.flatnonzero(needle), lengths[needle].argmin(axis=1)
+    short = np.stack([corners[rows, (k + 1) % 3], corners[rows, (k + 2) % 3]], axis=1)
+    pairs = np.concatenate([close, short])
+    if not len(pairs):
+        return np.arange(len(vertices))
+    return first_of_each(connected(pairs, len(vertices)))
 
 
 def _close_pairs(vertices: Vectors, candidates: Indices, distance: float) -> Indices:
@@ -141,15 +158,14 @@ def _close_pairs(vertices: Vectors, candidates: Indices, distance: float) -> Ind
     return np.asarray(candidates[exact], dtype=np.int64)
 
 
-def flip_caps(vertices: Vectors, faces: Triangles) -> tuple[Triangles, int]:
+def flip_caps(vertices: Vectors, faces: Triangles, edges: Edges, bad: Flags) -> tuple[Triangles, int]:
     """Remove flat faces whose apex lies on their longest edge by flipping that edge, without opening a slit.
 
     Returns the new faces, and how many edges were flipped in this round; several may be needed, because
     the flips of one round keep clear of each other.
     """
-    bad = flat(vertices, faces)
-    edges = Edges.of(faces)
-    pairs = edges.manifold_pairs()
+    pairs = edges.manifold_pairs
+    pairs = pairs[bad[pairs[:, 0] // 3] | bad[pairs[:, 1] // 3]]
     pairs = np.concatenate([pairs, pairs[:, ::-1]])  # (half-edge of the cap, half-edge across)
     lengths, _ = shapes_of(vertices, faces)
     longest = lengths.argmax(axis=1)
@@ -173,12 +189,7 @@ def flip_caps(vertices: Vectors, faces: Triangles) -> tuple[Triangles, int]:
     return flipped, len(chosen)
 
 
-def face_components(faces: Triangles) -> Indices:
-    """(F,) number of the component of each face; faces are connected over edges, not over single vertices."""
-    return connected(Edges.of(faces).halfedge_pairs() // 3, len(faces))
-
-
-def orientation(faces: Triangles) -> tuple[Flags, Indices]:
+def orientation(faces: Triangles, edges: Edges) -> tuple[Flags, Indices]:
     """Which faces to turn over so that neighbours agree, and the faces where that is impossible.
 
     Every face stands for two nodes, as it is and turned over; nodes that agree across an edge are connected.
@@ -186,7 +197,7 @@ def orientation(faces: Triangles) -> tuple[Flags, Indices]:
     one that leaves more faces as they are is taken.
     """
     n = len(faces)
-    first, second = Edges.of(faces).manifold_pairs().T
+    first, second = edges.manifold_pairs.T
     tails = faces[:, [1, 2, 0]].ravel()
     clash = tails[first] == tails[second]
     i, j = first // 3, second // 3
@@ -200,10 +211,9 @@ def orientation(faces: Triangles) -> tuple[Flags, Indices]:
     return turn, np.flatnonzero(kept == turned)
 
 
-def inside_out(vertices: Vectors, faces: Triangles) -> Flags:
+def inside_out(vertices: Vectors, faces: Triangles, edges: Edges) -> Flags:
     """(F,) faces of closed components whose normals point inwards, by the sign of the enclosed volume."""
-    component = face_components(faces)
-    edges = Edges.of(faces)
+    component = edges.face_components
     n = int(component.max()) + 1
     bounded = np.zeros(n, dtype=bool)
     bounded[component[np.flatnonzero(edges.counts[edges.of_halfedge] == 1) // 3]] = True
@@ -215,7 +225,7 @@ def inside_out(vertices: Vectors, faces: Triangles) -> Flags:
     return ((volume < -1e-9 * area**1.5) & ~bounded)[component]
 
 
-def separated_fans(faces: Triangles) -> tuple[Triangles, Indices]:
+def separated_fans(faces: Triangles, edges: Edges) -> tuple[Triangles, Indices]:
     """Give every fan of faces around a vertex its own vertex.
 
     Fans are joined only over edges that exactly two faces share.
@@ -224,7 +234,7 @@ def separated_fans(faces: Triangles) -> tuple[Triangles, Indices]:
     -------
     The new faces, and (N,) the vertex that each added one is a copy of; they are numbered after the old ones.
     """
-    pairs = Edges.of(faces).manifold_pairs()
+    pairs = edges.manifold_pairs
     face, k = np.divmod(pairs, 3)
     joined = []
     for step in (1, 2):

@@ -24,6 +24,9 @@ Components = Literal["keep", "largest"]
 LARGEST_COORDINATE = 1e60
 """Beyond this, or for a model smaller than its reciprocal, squares of areas leave double precision."""
 
+MOST_ROUNDS = 50
+"""Of welding and flipping; each round undoes a part of every chain of faces without area."""
+
 _SENTENCES = {
     "unreferenced_vertices": "dropped {} that no face uses",
     "welded_vertices": "welded {} to another at the same place",
@@ -138,59 +141,59 @@ def prepare_arrays(
     points, triangles = _checked(np.asarray(vertices), np.asarray(faces), name)
     count: dict[str, int] = {}
 
-    used = np.unique(triangles)
-    count["unreferenced_vertices"] = len(points) - len(used)
-    triangles = np.searchsorted(used, triangles)
-    points, origin = points[used], used
+    origin, triangles = mending.used_vertices(triangles, len(points))
+    count["unreferenced_vertices"] = len(points) - len(origin)
+    points = points[origin]
     _check_size(points, origin, name)
 
     triangles = _welded_and_cleaned(points, triangles, count, name)
-    component = mending.face_components(triangles)
-    _check_soup(component, name)
+    edges = mending.Edges.of(triangles)
+    _check_soup(edges.face_components, name)
     if components == "largest":
-        area = np.bincount(component, mending.shapes_of(points, triangles)[1])
+        area = np.bincount(edges.face_components, mending.shapes_of(points, triangles)[1])
         count["dropped_components"] = len(area) - 1
-        triangles = triangles[component == int(area.argmax())]
+        triangles = triangles[edges.face_components == int(area.argmax())]
+        edges = mending.Edges.of(triangles)
 
-    count["cut_edges"] = int((mending.Edges.of(triangles).counts > 2).sum()) if cut else 0
+    count["cut_edges"] = int((edges.counts > 2).sum()) if cut else 0
     added = 0
     if count["cut_edges"]:
-        points, triangles, origin, added = _separated(points, triangles, origin)
-    _check_edges(points, triangles, origin, name)
-    turned, one_sided = mending.orientation(triangles)
+        points, triangles, origin, added = _separated(points, triangles, edges, origin)
+        edges = mending.Edges.of(triangles)
+    _check_edges(points, edges, origin, name)
+    turned, one_sided = mending.orientation(triangles, edges)
     if len(one_sided):
         raise MeshError(
             f"{name}: {len(one_sided)} faces form a one-sided surface like a Moebius strip (first: face at "
             f"{_place(points[triangles[one_sided[0]]])}); cut it open across the strip in a mesh editor"
         )
-    turned ^= mending.inside_out(points, _turned(triangles, turned))
+    turned ^= mending.inside_out(points, _turned(triangles, turned), edges)
     count["turned_faces"] = int(turned.sum())
-    points, triangles, _, split = _separated(points, _turned(triangles, turned), origin)
+    points, triangles, _, split = _separated(points, triangles, edges, origin)
     count["split_vertices"] = added + split
     try:
-        mesh = TriMesh(points, triangles)
+        mesh = TriMesh(points, _turned(triangles, turned))
     except MeshError as error:
         raise MeshError(f"{name}: {error}; mend it in a mesh editor") from None
     return Prepared(mesh, RepairReport(**count))
 
 
 def _separated(
-    points: Vectors, triangles: Triangles, origin: Indices
+    points: Vectors, triangles: Triangles, edges: mending.Edges, origin: Indices
 ) -> tuple[Vectors, Triangles, Indices, int]:
-    """Drop what no face uses and give every fan its own vertex; also returns how many vertices that added."""
-    used, triangles = np.unique(triangles, return_inverse=True)
-    triangles, copies = mending.separated_fans(triangles.reshape(-1, 3))
-    kept = np.concatenate([used, used[copies]])
-    return points[kept], triangles, origin[kept], len(copies)
+    """Give every fan its own vertex and drop what no face uses; also returns how many vertices were added."""
+    triangles, copies = mending.separated_fans(triangles, edges)
+    source = np.concatenate([np.arange(int(triangles.max()) + 1 - len(copies)), copies])
+    kept, triangles = mending.used_vertices(triangles, len(source))
+    return points[source[kept]], triangles, origin[source[kept]], len(copies)
 
 
 def _turned(triangles: Triangles, which: Flags) -> Triangles:
     return np.where(which[:, None], triangles[:, [0, 2, 1]], triangles)
 
 
-def _check_edges(points: Vectors, triangles: Triangles, origin: Indices, name: str) -> None:
+def _check_edges(points: Vectors, edges: mending.Edges, origin: Indices, name: str) -> None:
     """Refuse edges shared by more than two faces."""
-    edges = mending.Edges.of(triangles)
     shared = edges.ends[edges.counts > 2]
     if len(shared):
         a, b = shared[0]
@@ -204,46 +207,52 @@ def _check_edges(points: Vectors, triangles: Triangles, origin: Indices, name: s
 def _welded_and_cleaned(points: Vectors, triangles: Triangles, count: dict[str, int], name: str) -> Triangles:
     """Weld, flip and drop until nothing changes, and add to the counts."""
     count.update(welded_vertices=0, degenerate_faces=0, flipped_edges=0, duplicate_faces=0)
-    for _ in range(20):
-        size = len(triangles)
-        triangles = triangles[~mending.repeated(triangles)]
-        count["degenerate_faces"] += size - len(triangles)
-        if not len(triangles):
-            break
-        target = _weld_targets(points, triangles)
-        used = np.unique(triangles)
-        welded = int((target[used] != used).sum())
-        count["welded_vertices"] += welded
-        triangles = target[triangles]
-        alike = mending.duplicates(triangles) & ~mending.repeated(triangles)
+    for _ in range(MOST_ROUNDS):
+        repeated = mending.repeated(triangles)
+        count["degenerate_faces"] += int(repeated.sum())
+        triangles = triangles[~repeated]
+        alike = mending.duplicates(triangles)
         count["duplicate_faces"] += int(alike.sum())
         triangles = triangles[~alike]
-        triangles, flips = mending.flip_caps(points, triangles)
+        flat = mending.flat(points, triangles)
+        if flat.all():
+            raise MeshError(f"{name}: no face has any area; export the mesh again")
+        edges = mending.Edges.of(triangles)
+        target = _weld_targets(points, triangles, edges, flat)
+        used, _ = mending.used_vertices(triangles, len(points))
+        welded = int((target[used] != used).sum())
+        if welded:
+            count["welded_vertices"] += welded
+            triangles = target[triangles]
+            continue
+        if not flat.any():
+            return triangles
+        triangles, flips = mending.flip_caps(points, triangles, edges, flat)
         count["flipped_edges"] += flips
-        if not (welded or flips or mending.repeated(triangles).any()):
+        if not flips:
             break
-    flat = mending.flat(points, triangles)
+    flat = mending.repeated(triangles) | mending.flat(points, triangles)
     count["degenerate_faces"] += int(flat.sum())
-    if flat.all():
-        raise MeshError(f"{name}: no face has any area; export the mesh again")
     return triangles[~flat]
 
 
-def _weld_targets(points: Vectors, triangles: Triangles) -> Indices:
+def _weld_targets(points: Vectors, triangles: Triangles, edges: mending.Edges, flat: Flags) -> Indices:
     """(V,) vertex that each one is welded to; a file's own connectivity is not made worse by it.
 
     Sheets that touch along an edge, each with its own vertices, are a surface as they are. Only a soup, such
     as any STL file, has no connectivity of its own: there an edge of three faces is a fault to be told.
     """
-    target = mending.coincident(points, triangles)
-    single = np.bincount(mending.face_components(triangles)) == 1
-    if 2 * single.sum() > len(triangles) or (mending.Edges.of(triangles).counts > 2).any():
+    target = mending.coincident(points, triangles, edges, flat)
+    numbers = np.arange(len(target))
+    single = np.bincount(edges.face_components) == 1
+    if (target == numbers).all() or 2 * single.sum() > len(triangles) or (edges.counts > 2).any():
         return target
     welded = target[triangles]
-    welded = welded[~mending.repeated(welded) & ~mending.duplicates(welded)]
-    edges = mending.Edges.of(welded)
-    apart = np.isin(target, edges.ends[edges.counts > 2])
-    return np.where(apart, np.arange(len(target)), target)
+    welded = welded[~mending.repeated(welded)]
+    after = mending.Edges.of(welded[~mending.duplicates(welded)])
+    apart = np.zeros(len(target), dtype=bool)
+    apart[after.ends[after.counts > 2]] = True
+    return np.where(apart[target], numbers, target)
 
 
 def _checked(points: np.ndarray, triangles: np.ndarray, name: str) -> tuple[Vectors, Triangles]:

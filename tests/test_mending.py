@@ -6,12 +6,32 @@ from geoweave import mending
 from geoweave.mesh import TriMesh
 
 
+def coincident(points, faces):
+    return mending.coincident(points, faces, mending.Edges.of(faces), mending.flat(points, faces))
+
+
+def flip_caps(points, faces):
+    return mending.flip_caps(points, faces, mending.Edges.of(faces), mending.flat(points, faces))
+
+
+def orientation(faces):
+    return mending.orientation(faces, mending.Edges.of(faces))
+
+
+def inside_out(points, faces):
+    return mending.inside_out(points, faces, mending.Edges.of(faces))
+
+
+def separated_fans(faces):
+    return mending.separated_fans(faces, mending.Edges.of(faces))
+
+
 def test_edges_and_pairs():
     _, faces = octahedron()
     edges = mending.Edges.of(faces)
     assert edges.ends.shape == (12, 2)
     assert (edges.counts == 2).all()
-    pairs = edges.manifold_pairs()
+    pairs = edges.manifold_pairs
     assert len(pairs) == 12
     np.testing.assert_array_equal(edges.of_halfedge[pairs[:, 0]], edges.of_halfedge[pairs[:, 1]])
 
@@ -29,11 +49,11 @@ def test_only_open_ends_are_welded():
     points, faces = octahedron()
     touching = np.concatenate([points, points + np.array([2.0, 0, 0])])  # one tip each in the same place
     both = np.concatenate([faces, faces + 6])
-    assert (mending.coincident(touching, both) == np.arange(12)).all()
+    assert (coincident(touching, both) == np.arange(12)).all()
 
     flat_points, cells = sheet(3)
     separate = np.concatenate([flat_points, flat_points + [3, 0, 0] * np.array([1.0, 0, 1])])
-    target = mending.coincident(separate, np.concatenate([cells, cells + 16]))
+    target = coincident(separate, np.concatenate([cells, cells + 16]))
     assert (target != np.arange(32)).sum() == 1  # the two sheets share the corner with no height
 
 
@@ -42,19 +62,19 @@ def test_orientation_undoes_any_turning(seed):
     points, faces = sphere(2)
     turned = np.random.default_rng(seed).random(len(faces)) < 0.4
     mixed = np.where(turned[:, None], faces[:, ::-1], faces)
-    found, one_sided = mending.orientation(mixed)
+    found, one_sided = orientation(mixed)
     assert not len(one_sided)
     # the majority decides; here most faces were left as they are
     np.testing.assert_array_equal(found, turned)
-    assert not mending.inside_out(points, np.where(found[:, None], mixed[:, ::-1], mixed)).any()
-    assert mending.inside_out(points + 1e6, faces[:, ::-1]).all()
+    assert not inside_out(points, np.where(found[:, None], mixed[:, ::-1], mixed)).any()
+    assert inside_out(points + 1e6, faces[:, ::-1]).all()
 
 
 def test_orientation_of_each_component_on_its_own():
     _, one = sphere(1)
     _, strip = moebius_strip()
     faces = np.concatenate([one[:, ::-1], strip + one.max() + 1, one + 1000])
-    turn, one_sided = mending.orientation(faces)
+    turn, one_sided = orientation(faces)
     assert not turn[: len(one)].any()
     assert not turn[-len(one) :].any()
     assert one_sided.tolist() == list(range(len(one), len(one) + len(strip)))
@@ -62,24 +82,24 @@ def test_orientation_of_each_component_on_its_own():
 
 def test_a_tie_keeps_the_first_face():
     faces = np.array([[0, 1, 2], [1, 2, 3]])
-    turn, _ = mending.orientation(faces)
+    turn, _ = orientation(faces)
     assert turn.tolist() == [False, True]
 
 
 def test_an_open_surface_is_never_inside_out():
     points, faces = sheet(3)
-    assert not mending.inside_out(points, faces).any()
-    assert not mending.inside_out(points, faces[:, ::-1]).any()
+    assert not inside_out(points, faces).any()
+    assert not inside_out(points, faces[:, ::-1]).any()
 
 
 def test_separated_fans():
     points, faces = octahedron()
     joined = np.concatenate([faces, np.where(faces == 0, 0, faces + 6)])
-    fixed, copies = mending.separated_fans(joined)
+    fixed, copies = separated_fans(joined)
     assert copies.tolist() == [0]
     mesh = TriMesh(*compact(np.concatenate([np.tile(points, (2, 1)), points[copies]]), fixed))
     assert mesh.n_components == 2
-    unchanged, none = mending.separated_fans(faces)
+    unchanged, none = separated_fans(faces)
     np.testing.assert_array_equal(unchanged, faces)
     assert not len(none)
 
@@ -98,7 +118,7 @@ def test_a_cap_is_flipped_away_without_opening_the_surface():
     for scale, shift in ((1.0, 0.0), (1e-9, 0.0), (1e9, 0.0), (1.0, 1e3)):
         placed = scale * points + shift
         assert mending.flat(placed, faces).sum() == 1
-        flipped, count = mending.flip_caps(placed, faces)
+        flipped, count = flip_caps(placed, faces)
         assert count == 1
         assert not mending.flat(placed, flipped).any()
         mesh = TriMesh(placed, flipped)
