@@ -237,22 +237,27 @@ def _welded_and_cleaned(points: Vectors, triangles: Triangles, count: dict[str, 
 
 
 def _weld_targets(points: Vectors, triangles: Triangles, edges: mending.Edges, flat: Flags) -> Indices:
-    """(V,) vertex that each one is welded to; a file's own connectivity is not made worse by it.
+    """(V,) vertex that each one is welded to: itself, unless that closes an open edge or removes a face.
 
     Sheets that touch along an edge, each with its own vertices, are a surface as they are. Only a soup, such
     as any STL file, has no connectivity of its own: there an edge of three faces is a fault to be told.
     """
     target = mending.coincident(points, triangles, edges, flat)
     numbers = np.arange(len(target))
-    single = np.bincount(edges.face_components) == 1
-    if (target == numbers).all() or 2 * single.sum() > len(triangles) or (edges.counts > 2).any():
+    if (target == numbers).all():
         return target
     welded = target[triangles]
-    welded = welded[~mending.repeated(welded)]
-    after = mending.Edges.of(welded[~mending.duplicates(welded)])
-    apart = np.zeros(len(target), dtype=bool)
-    apart[after.ends[after.counts > 2]] = True
-    return np.where(apart[target], numbers, target)
+    gone = mending.repeated(welded) | mending.duplicates(welded)
+    after = mending.Edges.of(welded[~gone])
+    was_open = (edges.counts[edges.of_halfedge] == 1).reshape(-1, 3)[~gone].ravel()
+    closed = after.of_halfedge[was_open & (after.counts[after.of_halfedge] > 1)]
+    useful = np.zeros(len(target), dtype=bool)
+    useful[after.ends[closed]] = True
+    useful[welded[gone]] = True
+    soup = len(mending.used_vertices(triangles, len(points))[0]) == triangles.size
+    if not soup and (edges.counts <= 2).all():
+        useful[after.ends[after.counts > 2]] = False
+    return np.where(useful[target], target, numbers)
 
 
 def _checked(points: np.ndarray, triangles: np.ndarray, name: str) -> tuple[Vectors, Triangles]:
