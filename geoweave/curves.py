@@ -124,8 +124,8 @@ def geodesic_curvature(curves: Curves, window: float | None = None) -> Scalars:
     """Signed geodesic curvature, the turning per length ``k(s) = sum_q turning_q K(s - s_q) / integral K``.
 
     The turning of a polyline sits in its points; the hat ``K(t) = max(0, 1 - |t| / window)`` spreads it over
-    arc length, cut off at the ends of an open curve and run round a closed one. For a fixed window the result
-    converges under refinement; it is zero on a straightest geodesic.
+    arc length and runs round a closed curve; near the ends of an open one it stays where it just fits. For a
+    fixed window the result converges under refinement; it is zero on a straightest geodesic.
 
     Parameters
     ----------
@@ -157,7 +157,9 @@ def _spread(
         # A hat wider than the closed curve would count a point twice.
         reach = min(width, 0.5 * length) if closed[c] else width
         for p in range(start, end):
-            s = arclength[p]
+            # Half a hat at an end would show the noise of single facets.
+            inset = 0.0 if closed[c] else min(width, 0.5 * length)
+            s = min(max(arclength[p], inset), length - inset)
             total = 0.0
             for way in (-1, 1):
                 q = p if way < 0 else p + 1
@@ -168,15 +170,13 @@ def _spread(
                             break
                         q -= way * (end - start)
                         lap += way * length
-                    gap = abs(arclength[q] + lap - s)
-                    if gap >= reach:
+                    gap = arclength[q] + lap - s
+                    if way * gap >= reach:
                         break
-                    total += turning[q] * (1.0 - gap / reach)
+                    total += turning[q] * max(0.0, 1.0 - abs(gap) / reach)
                     q += way
-            if closed[c]:
-                mass = reach
-            else:
-                left, right = min(s, reach), min(length - s, reach)
-                mass = left + right - 0.5 * (left * left + right * right) / reach
+            left = reach if closed[c] else min(s, reach)
+            right = reach if closed[c] else min(length - s, reach)
+            mass = left + right - 0.5 * (left * left + right * right) / reach
             out[p] = total / mass if mass > 0.0 else 0.0
     return out
