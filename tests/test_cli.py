@@ -1,5 +1,6 @@
 import json
 import os
+import pty
 import signal
 import subprocess
 import sys
@@ -306,13 +307,41 @@ def test_a_reader_that_goes_away_makes_no_noise(ball):
     assert (done.returncode, done.stderr) == (1, "")
 
 
-def test_control_c_leaves_nothing_and_says_one_line(tmp_path):
-    path = write(tmp_path, "ball", "ply-little", *sphere(7))
-    command = [sys.executable, "-m", "geoweave", "field", str(path), "-o", str(tmp_path / "f.npz")]
-    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    time.sleep(2.0)
-    child.send_signal(signal.SIGINT)
-    out, err = child.communicate(timeout=120)
-    assert (child.returncode, out) == (1, "")
-    assert err == "geoweave: interrupted; nothing was written\n"
-    assert os.listdir(tmp_path) == ["ball.ply"]
+@pytest.mark.parametrize("stage", ["smoothest_field", "geodesic_field", "savez"])
+def test_control_c_leaves_nothing_and_says_one_line(run, ball, tmp_path, monkeypatch, stage):
+    import geoweave.geodesic
+    import geoweave.rosy
+
+    def interrupted(*arguments, **_):
+        if stage == "savez":
+            arguments[0].write(b"half")
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(10)
+
+    place = {"smoothest_field": geoweave.rosy, "geodesic_field": geoweave.geodesic, "savez": np}[stage]
+    monkeypatch.setattr(place, stage, interrupted)
+    status, out, err = run("field", ball, "-o", tmp_path / "f.npz")
+    assert (status, out, err) == (1, "", "geoweave: interrupted; nothing was written\n")
+    assert os.listdir(tmp_path) == ["ball.off"]
+
+
+def test_progress_is_shown_on_a_terminal_only(ball):
+    terminal, stderr = pty.openpty()
+    command = [sys.executable, "-m", "geoweave", "field", str(ball), "--json"]
+    environment = {**os.environ, "TERM": "xterm"}
+    child = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=stderr, env=environment)
+    os.close(stderr)
+    shown = b""
+    while True:
+        try:
+            part = os.read(terminal, 4096)
+        except OSError:  # how Linux tells that the other end is closed
+            break
+        if not part:
+            break
+        shown += part
+    out, _ = child.communicate(timeout=120)
+    os.close(terminal)
+    assert child.returncode == 0
+    assert json.loads(out)["faces"] == 512
+    assert b"Algorithm 1: step" in shown
