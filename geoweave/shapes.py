@@ -1,0 +1,216 @@
+"""Procedural surfaces with known answers, one for every kind of topology the paper treats.
+
+Flat and round surfaces are laid out in rows of nearly equilateral triangles; the rest are level sets
+(`geoweave.implicit`). None needs a file or a random number.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geoweave.arrays import Indices, Scalars, Triangles, Vectors
+from geoweave.errors import MeshError
+from geoweave.implicit import genus_g, rocker_arm, schwarz_p
+from geoweave.mesh import TriMesh
+
+__all__ = [
+    "annulus",
+    "cylinder",
+    "disk",
+    "genus_g",
+    "icosahedron",
+    "rocker_arm",
+    "schwarz_p",
+    "sphere",
+    "square",
+    "torus",
+]
+
+_GOLDEN = 0.5 * (1.0 + np.sqrt(5.0))
+_ROW = np.sqrt(3.0) / 2.0
+"""Height of an equilateral triangle of side one."""
+
+
+def icosahedron() -> TriMesh:
+    """Build the regular icosahedron with its 12 vertices on the unit sphere."""
+    corners = [(0.0, s, t * _GOLDEN) for s in (-1, 1) for t in (-1, 1)]
+    vertices = np.array([np.roll(corner, turn) for turn in range(3) for corner in corners])
+    side = np.linalg.norm(vertices[:, None] - vertices[None], axis=2)
+    near = np.isclose(side, 2.0)
+    a, b, c = np.nonzero(near[:, :, None] & near[:, None, :] & near[None, :, :])
+    faces = np.stack([a, b, c], axis=1)[(a < b) & (b < c)]
+    normal = np.cross(
+        vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]]
+    )
+    inward = np.einsum("fx,fx->f", normal, vertices[faces[:, 0]]) < 0
+    faces[inward] = faces[inward][:, [0, 2, 1]]
+    return TriMesh(vertices / np.hypot(1.0, _GOLDEN), faces)
+
+
+def sphere(faces: int = 20_480, *, subdivisions: int | None = None) -> TriMesh:
+    """Build the unit sphere: an icosahedron whose edges are cut into n parts, 20 n^2 faces.
+
+    Parameters
+    ----------
+    faces : wanted number; the nearest 20 n^2 is taken
+    subdivisions : if given, n is 2 to this power: 5 gives the 20,480 faces of Fig. 7
+
+    Raises
+    ------
+    MeshError
+        If fewer than 20 faces are asked for.
+    """
+    _at_least(faces, 20)
+    n = 2**subdivisions if subdivisions is not None else max(1, round(np.sqrt(faces / 20)))
+    base = icosahedron()
+    # Barycentric grid on each face of the icosahedron; points on shared edges are welded below.
+    i, j = np.nonzero(np.add.outer(np.arange(n + 1), np.arange(n + 1)) <= n)
+    weights = np.stack([n - i - j, i, j], axis=1)
+    number = np.full((n + 2, n + 2), -1)
+    number[i, j] = np.arange(len(i))
+    up = np.stack([number[i, j], number[i + 1, j], number[i, j + 1]], axis=1)
+    down = np.stack([number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]], axis=1)
+    local = np.concatenate([up, down])
+    local = local[(local >= 0).all(axis=1)]
+    # A point is named by its corners and weights, the same from either side of an edge.
+    corners = base.faces[:, None, :]
+    present = np.broadcast_to(weights, (20, *weights.shape)) > 0
+    name = np.where(present, corners * (n + 1) + weights, -1)
+    name = np.sort(name.reshape(-1, 3), axis=1)
+    key = (name[:, 0] + 1) * (13 * (n + 1)) ** 2 + (name[:, 1] + 1) * 13 * (n + 1) + name[:, 2]
+    _, first, welded = np.unique(key, return_index=True, return_inverse=True)
+    points = np.einsum("pc,fcx->fpx", _bent(weights / n), base.vertices[base.faces]).reshape(-1, 3)[first]
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    triangles = (local[None] + len(weights) * np.arange(20)[:, None, None]).reshape(-1, 3)
+    return TriMesh(points, welded.reshape(-1)[triangles])
+
+
+def _bent(weights: Vectors) -> Vectors:
+    """Barycentric weights such that the triangles come out more even after projection to the sphere."""
+    # Equal angles instead of equal lengths along an edge, as in a slerp; corners are 63.4 degrees apart.
+    angle = np.arccos(1.0 / np.sqrt(5.0))
+    return np.sin(weights * angle) / np.sin(angle)
+
+
+def torus(major: float = 1.0, minor: float = 0.4, faces: int = 6_000) -> TriMesh:
+    """Build the torus of tube radius `minor` around a circle of radius `major` in the plane z = 0.
+
+    Raises
+    ------
+    MeshError
+        If not 0 < minor < major, or too few faces are asked for.
+    """
+    if not 0 < minor < major:
+        raise MeshError(f"a torus needs 0 < minor < major, not minor = {minor} and major = {major}")
+    _at_least(faces, 60)
+    around, rows = _grid(2 * np.pi * major, 2 * np.pi * minor, faces)
+    rows += rows % 2  # staggered rows close up after an even number
+    u, v = _staggered(around, rows, closed=True)
+    ring = major + minor * np.cos(2 * np.pi * v)
+    points = np.stack(
+        [ring * np.cos(2 * np.pi * u), ring * np.sin(2 * np.pi * u), minor * np.sin(2 * np.pi * v)], axis=1
+    )
+    return TriMesh(points, _band(around, rows, closed=True))
+
+
+def cylinder(radius: float = 1.0, height: float = 2.0, faces: int = 4_000) -> TriMesh:
+    """Build the open cylinder about the z axis between z = -height / 2 and height / 2."""
+    _at_least(faces, 12)
+    around, rows = _grid(2 * np.pi * radius, height, faces)
+    u, v = _staggered(around, rows, closed=False)
+    points = np.stack(
+        [radius * np.cos(2 * np.pi * u), radius * np.sin(2 * np.pi * u), height * (v - 0.5)], axis=1
+    )
+    return TriMesh(points, _band(around, rows, closed=False))
+
+
+def annulus(inner: float = 0.4, outer: float = 1.0, faces: int = 4_000) -> TriMesh:
+    """Build the flat ring between two radii in the plane z = 0; triangles grow outwards with the radius.
+
+    Raises
+    ------
+    MeshError
+        If not 0 < inner < outer, or too few faces are asked for.
+    """
+    if not 0 < inner < outer:
+        raise MeshError(f"an annulus needs 0 < inner < outer, not inner = {inner} and outer = {outer}")
+    _at_least(faces, 12)
+    # In the logarithm of the radius an annulus is a cylinder.
+    around, rows = _grid(2 * np.pi, np.log(outer / inner), faces)
+    u, v = _staggered(around, rows, closed=False)
+    radius = outer * (inner / outer) ** v
+    points = np.stack([radius * np.cos(2 * np.pi * u), radius * np.sin(2 * np.pi * u), 0 * u], axis=1)
+    return TriMesh(points, _band(around, rows, closed=False))
+
+
+def disk(faces: int = 4_000) -> TriMesh:
+    """Build the flat unit disk in the plane z = 0 from n rings of triangles round its centre, 6 n^2 faces."""
+    _at_least(faces, 6)
+    n = max(1, round(np.sqrt(faces / 6)))
+    q, r = np.meshgrid(np.arange(-n, n + 1), np.arange(-n, n + 1), indexing="ij")
+    inside = np.abs(q + r) <= n
+    number = np.full((2 * n + 2, 2 * n + 2), -1)
+    number[: 2 * n + 1, : 2 * n + 1][inside] = np.arange(inside.sum())
+    a, b = np.indices((2 * n + 1, 2 * n + 1))
+    up = np.stack([number[a, b], number[a + 1, b], number[a, b + 1]], axis=-1)
+    down = np.stack([number[a + 1, b], number[a + 1, b + 1], number[a, b + 1]], axis=-1)
+    faces_ = np.concatenate([up.reshape(-1, 3), down.reshape(-1, 3)])
+    q, r = q[inside], r[inside]
+    ring = np.maximum(np.maximum(np.abs(q), np.abs(r)), np.abs(q + r))
+    # Hexagonal rings become circles: the place along a ring's side becomes an angle.
+    x, y = q + 0.5 * r, _ROW * r
+    sextant = np.floor(np.arctan2(y, x) / (np.pi / 3) + 1e-9)
+    turn = np.exp(-1j * sextant * np.pi / 3) * (x + 1j * y)
+    along = np.where(ring > 0, turn.imag / _ROW / np.maximum(ring, 1), 0.0)
+    z = ring / n * np.exp(1j * (sextant + along) * np.pi / 3)
+    points = np.stack([z.real, z.imag, np.zeros(len(z))], axis=1)
+    return TriMesh(points, faces_[(faces_ >= 0).all(axis=1)])
+
+
+def square(faces: int = 4_000) -> TriMesh:
+    """Build the flat square [-1, 1]^2 in the plane z = 0, with alternating diagonals."""
+    _at_least(faces, 8)
+    n = 2 * max(1, round(np.sqrt(faces / 8)))
+    x, y = np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1), indexing="ij")
+    number = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+    even = (np.add.outer(np.arange(n), np.arange(n)) % 2 == 0)[..., None]
+    first = np.where(even, np.stack([a, b, c], axis=-1), np.stack([a, b, d], axis=-1))
+    second = np.where(even, np.stack([a, c, d], axis=-1), np.stack([b, c, d], axis=-1))
+    points = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+    return TriMesh(points, np.concatenate([first.reshape(-1, 3), second.reshape(-1, 3)]))
+
+
+def _at_least(faces: int, least: int) -> None:
+    if faces < least:
+        raise MeshError(f"this surface cannot have {faces} faces: ask for at least {least}")
+
+
+def _grid(around: float, across: float, faces: int) -> tuple[int, int]:
+    """Points around and rows across of a band with nearly equilateral triangles."""
+    side = np.sqrt(around * across / (faces * 0.5 * _ROW))
+    columns = max(3, round(around / side))
+    return columns, max(1, round(faces / (2 * columns)))
+
+
+def _staggered(around: int, rows: int, *, closed: bool) -> tuple[Scalars, Scalars]:
+    """Parameters in [0, 1] of a band's points: u around, shifted by half a step each row, and v across."""
+    lines = rows if closed else rows + 1
+    row, column = np.divmod(np.arange(lines * around), around)
+    return (column + 0.5 * (row % 2)) / around, row / rows
+
+
+def _band(around: int, rows: int, *, closed: bool) -> Triangles:
+    """Triangles between the rows of a staggered band, counter-clockwise for u to the right, v upwards."""
+    row, column = np.divmod(np.arange(rows * around), around)
+    above = (row + 1) % rows if closed else row + 1
+    shift = row % 2
+
+    def point(line: Indices, place: Indices) -> Indices:
+        return line * around + place % around
+
+    low, low_next = point(row, column), point(row, column + 1)
+    high, high_next = point(above, column + shift), point(above, column + shift + 1)
+    first = np.stack([low, low_next, high], axis=1)
+    second = np.stack([low_next, high_next, high], axis=1)
+    return np.concatenate([first, second])
