@@ -83,13 +83,18 @@ def test_momentum_reaches_a_lower_energy_in_the_same_number_of_steps(name):
 
 def test_radial_field_on_an_annulus_is_geodesic_already():
     """Straight lines from a centre: curl-free and unit, so delta is discretisation only."""
-    mesh = surface("annulus")
-    x, y, _ = mesh.barycenters.T
-    radial = FaceField.from_ambient(mesh, np.stack([x, y, 0 * x], axis=1)).normalized()
-    solve = geodesic_field(radial, smoothness=[0.0])
-    angle = np.angle(solve.field.values * radial.values.conj())
-    assert np.degrees(np.abs(angle)).max() < 3
-    assert np.sqrt(mesh.face_areas @ solve.delta.norms**2 / mesh.face_areas.sum()) < 0.01
+    sizes = []
+    for faces in (900, 3600):
+        mesh = shapes.annulus(0.4, 1.0, faces=faces)
+        x, y, _ = mesh.barycenters.T
+        radial = FaceField.from_ambient(mesh, np.stack([x, y, 0 * x], axis=1)).normalized()
+        solve = geodesic_field(radial, smoothness=[0.0])
+        angle = np.angle(solve.field.values * radial.values.conj())
+        assert np.degrees(np.abs(angle)).max() < 3
+        sizes.append(np.sqrt(mesh.face_areas @ solve.delta.norms**2 / mesh.face_areas.sum()))
+    # First order in the edge length: half the edge, half the perturbation.
+    assert sizes[0] < 0.03
+    assert sizes[1] < 0.6 * sizes[0]
 
 
 def test_helices_on_a_cylinder_stay():
@@ -145,7 +150,7 @@ def test_touching_handles_that_agree_are_held_and_others_refused():
 
 
 def test_stopping_test_and_history():
-    mesh = surface("torus")
+    mesh = surface("jagged sphere")
     seen = []
     solve = geodesic_field(smoothest_field(mesh), callback=lambda step, field: seen.append((step, field)))
     assert [step for step, _ in seen] == list(solve.steps)

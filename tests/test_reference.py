@@ -18,7 +18,7 @@ MESHES = ["jagged sphere", "torus", "genus 5", "disk", "annulus", "Schwarz-P", "
 def with_handles(mesh, count):
     if not count:
         return random_field(mesh, 0), None
-    faces = np.linspace(0, mesh.n_faces - 1, count).astype(int)
+    faces = np.linspace(0.1 * mesh.n_faces, 0.9 * mesh.n_faces, count).astype(int)
     handles = Handles.from_ambient(mesh, faces, np.random.default_rng(1).normal(size=(count, 3)))
     values = random_field(mesh, 0).values.copy()
     values[faces] = handles.values
