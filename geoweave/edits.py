@@ -32,6 +32,9 @@ from geoweave.patch import (
 LONGER = 1.1
 """How far a collapse may stretch a side that is too long already."""
 
+NEEDLES = 0.5
+"""Share of its quality that a collapse may leave to a bad face: a fan of needles gets worse before better."""
+
 
 @compiled
 def _joined(patch: Patch, a: int, b: int, ring: Indices) -> bool:
@@ -133,7 +136,7 @@ def _fits(
     """
     for s in range(2):
         vertex, other, count = (drop, keep, here) if s == 0 else (keep, drop, there)
-        if not may_move(patch, rings[s], count, vertex, place, other):
+        if not may_move(patch, rings[s], count, vertex, place, other, NEEDLES):
             return False
         for i in range(count):
             for end in (patch.at[following(rings[s, i])], patch.at[preceding(rings[s, i])]):

@@ -29,6 +29,9 @@ TURN = 0.3
 FLOOR = 0.3
 """An edit must not leave a face below this quality (1 equilateral, 0 flat) that was above it."""
 
+DESPERATE = 0.05
+"""Share of its quality that a face may keep when a vertex gets back onto the surface in no better way."""
+
 
 class Patch(NamedTuple):
     """A mesh under edit; dead faces have corners -1, dead vertices the corner -1."""
@@ -121,10 +124,13 @@ def agree(ax: float, ay: float, az: float, bx: float, by: float, bz: float, cosi
 
 
 @compiled
-def may_move(patch: Patch, ring: Indices, count: int, vertex: int, place: Scalars, dying: int) -> bool:
-    """Whether a vertex may move to a place: no face turns over or becomes a sliver.
+def may_move(
+    patch: Patch, ring: Indices, count: int, vertex: int, place: Scalars, dying: int, worse: float
+) -> bool:
+    """Whether a vertex may move to a place: no face turns over, becomes a sliver, or gets worse as a sliver.
 
-    Faces that contain the vertex `dying` are not asked, for they go with it.
+    A face below the floor may keep as little as the share `worse` of its quality. Faces that contain the
+    vertex `dying` are not asked, for they go with it.
     """
     sx = sy = sz = 0.0
     for i in range(count):
@@ -137,7 +143,7 @@ def may_move(patch: Patch, ring: Indices, count: int, vertex: int, place: Scalar
             continue
         x, y, z, old = area_vector(patch.points[vertex], patch.points[b], patch.points[c])
         nx, ny, nz, new = area_vector(place, patch.points[b], patch.points[c])
-        if new < min(FLOOR, old) or new <= 0.0:
+        if new < min(FLOOR, worse * old) or new <= 0.0:
             return False
         if old > SLIVER:
             if not agree(x, y, z, nx, ny, nz, TURN):
@@ -216,10 +222,10 @@ def slide(patch: Patch, guide: Guide, vertex: int, ring: Indices) -> bool:
     if count == 0 or patch.kind[vertex] == LOCKED:
         return False
     goal, facing = aim(patch, vertex, ring, count, closed)
-    for step in (1.0, 0.5, 0.25, 0.0):
+    for step, worse in ((1.0, 1.0), (0.5, 1.0), (0.25, 1.0), (0.0, 1.0), (0.0, DESPERATE)):
         place = patch.points[vertex] + step * (goal - patch.points[vertex])
         if settle(patch, guide, vertex, closed, facing, place) and may_move(
-            patch, ring, count, vertex, place, -1
+            patch, ring, count, vertex, place, -1, worse
         ):
             patch.points[vertex] = place
             return True

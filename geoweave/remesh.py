@@ -36,8 +36,10 @@ def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None =
     """Cover the surface of a mesh with about `faces` nearly equilateral triangles.
 
     The wanted edge length is ``h = sqrt(4 A / (sqrt(3) faces))`` for the area A. Vertices lie on the faces of
-    `mesh`, boundary vertices on its boundary; the corners of the boundary stay. The number of components, the
-    genus and the number of boundary loops are those of `mesh`. The same input gives the same result.
+    `mesh`, boundary vertices on its boundary (save one here or there on parts thinner than the triangles are
+    wide, where the way back would turn a face over); the corners of the boundary stay. The number of
+    components, the genus and the number of boundary loops are those of `mesh`. The same input gives the same
+    result.
 
     Parameters
     ----------
