@@ -80,8 +80,7 @@ lock: ## choose versions anew for requirements.lock (LOCKFLAGS=--upgrade for the
 
 clean: ## remove .venv, build/ and every cache; figures/ and notebooks/ stay
 	@rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache
-	@find geoweave tests benchmarks scripts notebooks -type d \( -name __pycache__ -o -name .ipynb_checkpoints \) \
-	  -prune -exec rm -rf {} +
+	@find . -path ./.git -prune -o -type d \( -name __pycache__ -o -name .ipynb_checkpoints \) -prune -exec rm -rf {} +
 
 # .incomplete marks a .venv that is being filled; one that was left so is thrown away and made anew.
 $(STAMP): requirements.lock pyproject.toml

@@ -22,6 +22,7 @@ LAYERS = (
             "datasets",
             "edits",
             "formats",
+            "implicit",
             "mending",
             "output",
             "patch",
