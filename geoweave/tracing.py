@@ -10,6 +10,7 @@ of space whose normals agree, and seeds found by walking straight across the sur
 from __future__ import annotations
 
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,10 @@ from geoweave.mesh import TriMesh
 from geoweave.separation import Samples, blocked, enlarged, first_free, forget, remember, room_for
 
 __all__ = ["Curve", "Curves", "Spacing", "geodesic_curvature", "streamlines"]
+
+
+BARE_TRIALS = 200
+"""Faces from which the rounds before the last try to start a line that is beside no other."""
 
 
 @dataclass(frozen=True)
@@ -333,34 +338,46 @@ class _Placement:
         self.count = 0
         self.buffers = (_room(4096), _room(4096))
         self.lines: list[tuple[Vectors, Indices, Scalars, Flags, bool]] = []
+        self.length: list[float] = []
+        self.least = 0.0
         # In the order _advance reads them: stop, own samples passed over, closing, zone of the start, step.
         self.gauge = d * np.array([spacing.stop, 1.0, spacing.close, 1.2, spacing.sample])
 
     def fill(self, order: Indices) -> None:
-        """Place lines beside lines until none fits, then one from the centre of the next bare face."""
+        """Place lines beside lines until none fits, then one from the centre of the next bare face.
+
+        In several rounds, long lines first: the later and shorter ones close the gaps between them.
+        """
         sides = self.ground.sides[order]
         centres = (sides[:, 2] - sides[:, 1]) / 3.0
-        near, served, bare = self.spacing.seed * self.spacing.separation, 0, 0
-        while bare < len(order):
-            bare = first_free(self.ground, self.samples, order, centres, bare, near)
-            if bare < len(order):
-                self._add(int(order[bare]), complex(centres[bare]))
-                bare += 1
-            while served < len(self.lines):
-                points, faces, _, _, closed = self.lines[served]
-                self._line_up(*_sideways(self.ground, points, faces, closed, self.spacing.separation))
-                served += 1
+        for least in (8.0, 3.0, 1.0):
+            self.least = least * self.spacing.shortest * self.spacing.separation
+            # Bare faces are many before there are lines, and all but a few are beside a line later.
+            stride = len(order) // BARE_TRIALS if least > 1.0 else 1
+            self._fill(order[:: max(1, stride)], centres[:: max(1, stride)])
 
-    def _line_up(self, faces: Indices, places: Complexes) -> None:
-        near, c = self.spacing.seed * self.spacing.separation, 0
-        while c < len(faces):
-            c = first_free(self.ground, self.samples, faces, places, c, near)
-            if c < len(faces):
-                self._add(int(faces[c]), complex(places[c]))
-                c += 1
+    def _fill(self, faces: Indices, places: Complexes) -> None:
+        near, bare = self.spacing.seed * self.spacing.separation, 0
+        waiting = [(-self.length[number], number) for number in range(len(self.lines))]
+        heapify(waiting)
+        while bare < len(faces) or waiting:
+            while waiting:
+                _, number = heappop(waiting)
+                points, own, _, _, closed = self.lines[number]
+                beside = _sideways(self.ground, points, own, closed, self.spacing.separation)
+                c = 0
+                while c < len(beside[0]):
+                    c = first_free(self.ground, self.samples, *beside, c, near)
+                    if c < len(beside[0]) and self._add(int(beside[0][c]), complex(beside[1][c])):
+                        heappush(waiting, (-self.length[-1], len(self.lines) - 1))
+                    c += 1
+            bare = first_free(self.ground, self.samples, faces, places, bare, near)
+            if bare < len(faces) and self._add(int(faces[bare]), complex(places[bare])):
+                heappush(waiting, (-self.length[-1], len(self.lines) - 1))
+            bare += 1
 
-    def _add(self, face: int, place: complex) -> None:
-        """Trace both ways from a place; keep the line if it is long enough."""
+    def _add(self, face: int, place: complex) -> bool:
+        """Trace both ways from a place; keep the line if it is long enough, and say whether it was."""
         first = self.count
         while True:
             ahead, back = self.buffers
@@ -392,13 +409,15 @@ class _Placement:
         turning = np.concatenate([-back.turning[behind], ahead.turning[:n]])
         turning[[0, -1]] *= closed
         length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
-        if len(points) < 2 or length < self.spacing.shortest * self.spacing.separation:
+        if len(points) < 2 or length < self.least:
             forget(self.samples, first, self.count)
             self.count = first
-            return
+            return False
+        self.length.append(float(length))
         self.lines.append((points, faces, turning, sliding, bool(closed)))
         if len(self.samples.line) - self.count < self._samples_of_line:
             self._grow()
+        return True
 
     def _grow(self) -> None:
         """Double the room for samples and for the points of a line."""
