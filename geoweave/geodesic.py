@@ -26,6 +26,10 @@ SHARPENING_END = 5e-3
 """Last smoothness of the default schedule, in squared mean edge lengths."""
 
 
+PROBING_STEPS = 10
+"""Steps from each rotation of the initial field before the most promising one is chosen."""
+
+
 def sharpening_schedule(mesh: TriMesh, levels: int = 4) -> tuple[float, ...]:
     """Smoothness weights from coarse to fine, a geometric sequence ("sharpening", Section 4.1.2).
 
@@ -68,7 +72,7 @@ class GeodesicSolve:
 
     Attributes
     ----------
-    initial : the unit field it started from
+    initial : the unit field it started from, after the choice of a phase if there was one
     field : the unit field w
     delta : the perturbation of Eq. 4, ``C (w + delta) = 0``, parallel to w and zero on handles
     steps : every step, in order; within one smoothness the energy never rises
@@ -189,9 +193,10 @@ def geodesic_field(
     initial: FaceField,
     *,
     smoothness: Sequence[float] | None = None,
-    iterations: int = 25,
+    iterations: int = 20,
     tolerance: float = 1e-4,
     handles: Handles | None = None,
+    phases: int = 1,
     acceleration: Acceleration = "momentum",
     callback: Callback | None = None,
 ) -> GeodesicSolve:
@@ -208,6 +213,9 @@ def geodesic_field(
     iterations : most steps per value of lambda; the last one gets twice as many
     tolerance : a value of lambda is done when the root mean square change of w is below this
     handles : faces with prescribed directions
+    phases : try so many common rotations of the initial field, spread over half a turn, for ten steps each
+        at the first smoothness, and go on from the one of least energy (DEVIATIONS.md, phases). A smoothest
+        field is as smooth after every such rotation; a field that means its directions wants 1.
     acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
     callback : called after every step with the `Step` and the field
 
@@ -218,12 +226,15 @@ def geodesic_field(
     Raises
     ------
     FieldError
-        If a smoothness is negative, there is none, or the handles contradict one another.
+        If a smoothness is negative, there is none, the handles contradict one another, or phases are asked
+        for beside handles.
     """
     mesh = initial.mesh
     schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
-    if not schedule or iterations < 1:
-        raise FieldError("Algorithm 1 needs at least one smoothness and one iteration")
+    if not schedule or iterations < 1 or phases < 1:
+        raise FieldError("Algorithm 1 needs at least one smoothness, one iteration and one phase")
+    if phases > 1 and handles is not None:
+        raise FieldError("handles fix the phase of the field: leave out the phases")
     fields = ClosedFields(mesh)
     ordering = ordering_of(fields)
     start = initial.normalized()
@@ -232,6 +243,9 @@ def geodesic_field(
     converged = False
     for level, project in enumerate(_projections(fields, schedule, ordering, handles)):
         limit = iterations if level < len(schedule) - 1 else 2 * iterations
+        if level == 0 and phases > 1:
+            w = _promising_phase(project, w, phases, tolerance, acceleration)
+            start = FaceField(mesh, w)
         w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback)
     return GeodesicSolve(start, FaceField(mesh, w), FaceField(mesh, v - w), tuple(steps), converged)
 
@@ -289,6 +303,19 @@ def _alternate(
         if change < tolerance:
             return w, v, True
     return w, v, False
+
+
+def _promising_phase(
+    project: ClosedProjection, w: Complexes, phases: int, tolerance: float, acceleration: Acceleration
+) -> Complexes:
+    """Of so many rotations of w, the one whose energy is least after the first steps from it."""
+    rotated = [w * np.exp(1j * np.pi * k / phases) for k in range(phases)]
+    energies = []
+    for field in rotated:
+        steps: list[Step] = []
+        _alternate(project, field, PROBING_STEPS, tolerance, acceleration, steps, None)
+        energies.append(steps[-1].energy if steps else project(field)[1])
+    return rotated[int(np.argmin(energies))]
 
 
 def _with_handles(values: Complexes, handles: Handles) -> Complexes:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from skimage.measure import marching_cubes
 
-from geoweave.arrays import Scalars, Vectors
+from geoweave.arrays import Scalars, Triangles, Vectors
 from geoweave.errors import MeshError
 from geoweave.mesh import TriMesh
 from geoweave.remesh import isotropic_remesh
@@ -51,7 +51,7 @@ def level_set(
     return TriMesh(_settled(even.vertices, level, low, high), even.faces)
 
 
-def _oriented(points: Vectors, triangles: np.ndarray, level: Level) -> TriMesh:
+def _oriented(points: Vectors, triangles: Triangles, level: Level) -> TriMesh:
     """Make a mesh whose normals point to where the function grows."""
     mesh = TriMesh(points, triangles)
     outward = np.einsum("fx,fx->f", mesh.face_normals, _gradient(level, mesh.barycenters, mesh.mean_edge))
@@ -84,13 +84,28 @@ def schwarz_p(cells: int = 2, faces: int = 6_800) -> TriMesh:
     """
     if cells < 1:
         raise MeshError(f"Schwarz-P needs at least one cell, not {cells}")
-    half = np.pi * cells
-    shift = half if cells % 2 == 0 else 0.0
+    part = max(8, round(faces / (8 * cells**3)))
 
     def level(x: Vectors) -> Scalars:
-        return np.cos(x + shift + np.pi * (cells % 2)).sum(axis=-1)
+        return np.cos(x).sum(axis=-1)
 
-    return level_set(level, [-half] * 3, [half] * 3, faces, resolution=20 * cells)
+    # One eighth of a cell, mirrored: the mesh has the symmetries of the surface.
+    patch = level_set(level, [0.0] * 3, [np.pi] * 3, part, resolution=24)
+    points, triangles = patch.vertices, patch.faces
+    for axis in range(3):
+        mirror = np.where(np.arange(3) == axis, -1.0, 1.0)
+        triangles = np.concatenate([triangles, triangles[:, [0, 2, 1]] + len(points)])
+        points = np.concatenate([points, points * mirror])
+    corner = 2.0 * np.pi * np.array(list(np.ndindex(cells, cells, cells))) + np.pi * (1 - cells)
+    copies = np.arange(len(corner))[:, None, None] * len(points)
+    return _welded((points + corner[:, None]).reshape(-1, 3), (triangles + copies).reshape(-1, 3))
+
+
+def _welded(points: Vectors, triangles: Triangles) -> TriMesh:
+    """Join copies of a patch along their mirrors, where points coincide to rounding."""
+    grid = np.round(points / (1e-7 * np.ptp(points))).astype(np.int64)
+    _, first, number = np.unique(grid, axis=0, return_index=True, return_inverse=True)
+    return TriMesh(points[first], number.reshape(-1)[triangles])
 
 
 def genus_g(genus: int, faces: int = 6_000) -> TriMesh:

@@ -171,12 +171,26 @@ def test_scale_does_not_matter(factor):
     np.testing.assert_allclose(b.field.values, a.field.values, atol=1e-6)
 
 
+def test_phases_leave_a_symmetric_trap():
+    """On Schwarz-P the field of least curl keeps the surface's symmetry, and with it a high energy."""
+    mesh = shapes.schwarz_p(faces=3000).normalized()[0]
+    start = smoothest_field(mesh)
+    plain, tried = geodesic_field(start), geodesic_field(start, phases=4)
+    assert tried.energies[-1] < 0.8 * plain.energies[-1]
+    assert_energy_never_rises(tried)
+    turn = tried.initial.values * plain.initial.values.conj()
+    np.testing.assert_allclose(turn, turn[0], atol=1e-12)
+    assert np.angle(turn[0]) % (np.pi / 4) == pytest.approx(0, abs=1e-9)
+
+
 def test_nonsense_is_refused():
     field = random_field(surface("disk"), 0)
     with pytest.raises(FieldError, match="at least one"):
         geodesic_field(field, smoothness=[])
     with pytest.raises(FieldError, match="must not be negative"):
         geodesic_field(field, smoothness=[-1.0])
+    with pytest.raises(FieldError, match="handles fix the phase"):
+        geodesic_field(field, phases=2, handles=two_handles(field.mesh))
 
 
 def test_same_seed_same_field():
