@@ -173,7 +173,7 @@ def test_scale_does_not_matter(factor):
 
 def test_phases_leave_a_symmetric_trap():
     """On Schwarz-P the field of least curl keeps the surface's symmetry, and with it a high energy."""
-    mesh = shapes.schwarz_p(faces=3000).normalized()[0]
+    mesh = shapes.schwarz_p().normalized()[0]
     start = smoothest_field(mesh)
     plain, tried = geodesic_field(start), geodesic_field(start, phases=4)
     assert tried.energies[-1] < 0.8 * plain.energies[-1]
