@@ -1,0 +1,86 @@
+"""The models of the paper's figures by name: embedded or fetched scans, and procedural surfaces.
+
+A notebook names its models in its parameters, so that a profile can swap a stand-in for the real one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoweave import datasets, shapes
+from geoweave.curves import Curves, geodesic_curvature
+from geoweave.errors import DataError
+from geoweave.mesh import TriMesh
+
+__all__ = ["MODELS", "Model", "about", "bending", "load"]
+
+
+@dataclass(frozen=True)
+class Model:
+    """One model of a figure.
+
+    Attributes
+    ----------
+    title : words for a caption; says so where the model stands in for another
+    role : the row of Table 1 that it plays, "" if none
+    view : the camera kept for it in `geoweave.viz`
+    build : makes the surface, or None for a scan of that name in `geoweave.datasets`
+    """
+
+    title: str
+    role: str
+    view: str
+    build: Callable[[], TriMesh] | None = None
+
+
+MODELS = {
+    "armadillo": Model("Armadillo", "armadillo", "armadillo"),
+    "bunny": Model("Stanford bunny", "", "bunny"),
+    "camel": Model("Camel", "", "camel"),
+    "cow": Model("Cow", "cow", "cow"),
+    "fertility": Model("Fertility", "", "fertility"),
+    "rocker-arm": Model("Rocker Arm", "rocker arm", "rocker-arm"),
+    "rocker-arm-like": Model("Rocker (stand-in)", "rocker arm", "rocker-like", shapes.rocker_arm),
+    "schwarz-p": Model("Schwarz-P", "Schwarz-P", "schwarz-p", shapes.schwarz_p),
+    "sphere": Model("Sphere", "", "sphere", shapes.sphere),
+    "spot": Model("Spot (for the cow)", "cow", "spot"),
+}
+
+
+def about(name: str) -> Model:
+    """Return what is known of a model.
+
+    Raises
+    ------
+    DataError
+        If there is no model of that name; the message lists those there are.
+    """
+    if name not in MODELS:
+        raise DataError(f"there is no model '{name}'; there are: {', '.join(MODELS)}")
+    return MODELS[name]
+
+
+def load(name: str) -> TriMesh:
+    """Load or build a model, its vertex mean at the origin and its farthest vertex at distance 1.
+
+    Raises
+    ------
+    DataError
+        If there is no such model, or its scan cannot be had.
+    """
+    build = about(name).build
+    mesh = datasets.load(name) if build is None else build()
+    return mesh.normalized()[0]
+
+
+def bending(curves: Curves) -> float:
+    """Mean of ``|kappa_g|`` over the length of all curves, times the bounding radius of their mesh: a number.
+
+    It is 0 for geodesics and 1 for curves that turn one radian on a length of one bounding radius.
+    """
+    mesh = curves.mesh
+    radius = float(np.linalg.norm(mesh.vertices - mesh.vertices.mean(axis=0), axis=1).max())
+    return float(np.average(np.abs(geodesic_curvature(curves)), weights=curves.segment_lengths)) * radius
