@@ -16,8 +16,8 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from geoweave import linalg
-from geoweave.errors import RenderError
+from geoweave import datasets, linalg
+from geoweave.errors import DataError, RenderError
 
 PACKAGES = (
     "geoweave",
@@ -87,7 +87,7 @@ class Diagnosis:
     versions : distribution name -> version, "" where it is not installed
     rendering : see :class:`Rendering`
     ordering : the elimination order that factorisations will use
-    data : data set name -> "embedded", "available" or "fetchable"
+    data : data set name -> "embedded", "available", "fetchable" or "damaged"
     advice : one line for each thing worth installing
     """
 
@@ -190,16 +190,38 @@ def versions() -> dict[str, str]:
 
 
 def data_states() -> dict[str, str]:
-    """Name of each data set -> "embedded", "available" (fetched, or in GEOWEAVE_DATA_DIR) or "fetchable"."""
-    return {}
+    """What can be had of each registered mesh.
+
+    Returns
+    -------
+    name -> "embedded" (in the package), "available" (cached, or in GEOWEAVE_DATA_DIR), "fetchable" (known
+    by address and sha256, not on this machine), or "damaged" (embedded, but missing or changed)
+
+    Raises
+    ------
+    DataError
+        if GEOWEAVE_DATA_DIR names no folder.
+    """
+    states = {}
+    for name in datasets.names():
+        here = datasets.available(name)
+        if datasets.dataset(name).embedded:
+            states[name] = "embedded" if here else "damaged"
+        else:
+            states[name] = "available" if here else "fetchable"
+    return states
 
 
 def examine() -> Diagnosis:
     """Look at everything; takes about two seconds, most of it rendering."""
     rendering = try_rendering()
-    data = data_states()
     installed = versions()
     advice = []
+    try:
+        data = data_states()
+    except DataError as error:
+        data = {}
+        advice.append(str(error))
     if not rendering.works:
         advice.append(rendering.remedy)
     if linalg.HAS_METIS:
@@ -208,6 +230,10 @@ def examine() -> Diagnosis:
         ordering = "SuperLU, ordered by minimum degree (slower on large meshes)"
         advice.append(
             "for faster factorisations: pip install pymetis (Linux, macOS), or the pymetis of conda-forge"
+        )
+    if "damaged" in data.values():
+        advice.append(
+            "the embedded meshes are not all whole: restore geoweave/data from git, or install again"
         )
     fetchable = [name for name, state in data.items() if state == "fetchable"]
     if fetchable:

@@ -5,10 +5,11 @@ import platform
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
-from geoweave import doctor
+from geoweave import datasets, doctor
 from geoweave.errors import RenderError
 
 CRASH = ("-c", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
@@ -87,6 +88,25 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "PACKAGES", ("numpy", "no-such-distribution", "papermill"))
     assert doctor.versions()["no-such-distribution"] == ""
     assert "no-such-distribution  not installed" in doctor.examine().as_text()
+
+
+def test_data_sets_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(datasets, "_cache", lambda: tmp_path / "empty")
+    monkeypatch.delenv(datasets.VARIABLE, raising=False)
+    states = doctor.data_states()
+    assert {states["spot"], states["armadillo"]} == {"embedded"}
+    assert {states["cow"], states["fertility"], states["rocker-arm"]} == {"fetchable"}
+    assert any("geoweave fetch" in line for line in doctor.examine().advice)
+    monkeypatch.setattr(datasets, "available", lambda name: name == "cow")
+    assert doctor.data_states()["cow"] == "available"
+    assert doctor.data_states()["spot"] == "damaged"
+
+
+def test_a_wrong_data_folder_is_advice_not_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(datasets.VARIABLE, "/nonexistent")
+    diagnosis = doctor.examine()
+    assert diagnosis.data == {}
+    assert any("/nonexistent" in line for line in diagnosis.advice)
 
 
 def test_the_doctor_imports_no_renderer() -> None:
