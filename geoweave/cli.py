@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from geoweave.errors import GeoweaveError, RenderError
+from geoweave.errors import GeoweaveError, MeshError, RenderError
 
 if TYPE_CHECKING:
     from geoweave.fields import FaceField
@@ -199,7 +199,7 @@ def field(
         mesh, _ = prepared.mesh.normalized()
         say("finding the smoothest field")
         with _timed(seconds, "smoothest"):
-            initial = smoothest_field(mesh, seed=seed)
+            smoothest = smoothest_field(mesh, seed=seed)
         done: list[Step] = []
 
         def follow(step: Step, _: FaceField) -> None:
@@ -207,11 +207,12 @@ def field(
             say(f"Algorithm 1: step {len(done)}, smoothness {step.smoothness:.2g}, energy {step.energy:.6g}")
 
         with _timed(seconds, "geodesic"):
-            solve = geodesic_field(initial, callback=follow)
+            # of the circle of smoothest fields, the one that Algorithm 1 does best from
+            solve = geodesic_field(smoothest, phases=4, callback=follow)
         if output is not None:
             say(f"writing {output}")
             with _timed(seconds, "write"):
-                _write_field(output, mesh, initial, solve)
+                _write_field(output, mesh, solve)
     seconds["total"] = sum(seconds.values())
     result: dict[str, Any] = {
         "mesh": name,
@@ -220,8 +221,8 @@ def field(
         "components": mesh.n_components,
         "genus": mesh.genus,
         "boundary_loops": len(mesh.boundary_loops),
-        "total_curl": {"before": total_curl(initial), "after": total_curl(solve.field)},
-        "singularities": _singularities(mesh, initial, solve.field),
+        "total_curl": {"before": total_curl(solve.initial), "after": total_curl(solve.field)},
+        "singularities": _singularities(mesh, solve.initial, solve.field),
         "iterations": len(solve.steps),
         "converged": solve.converged,
         "seed": seed,
@@ -261,7 +262,7 @@ def _singularities(mesh: TriMesh, initial: FaceField, final: FaceField) -> dict[
     }
 
 
-def _write_field(output: str, mesh: TriMesh, initial: FaceField, solve: GeodesicSolve) -> None:
+def _write_field(output: str, mesh: TriMesh, solve: GeodesicSolve) -> None:
     import numpy as np
 
     from geoweave.output import replacing
@@ -272,7 +273,7 @@ def _write_field(output: str, mesh: TriMesh, initial: FaceField, solve: Geodesic
             file,
             vertices=mesh.vertices,
             faces=mesh.faces,
-            field_initial=initial.ambient,
+            field_initial=solve.initial.ambient,
             field=solve.field.ambient,
             delta=solve.delta.ambient,
         )
@@ -338,10 +339,19 @@ def _read(name: str, components: Components, repair: bool, say: Say) -> Prepared
     from geoweave.prepare import prepare_arrays, read_mesh
 
     say(f"reading {name}")
-    if os.path.lexists(name) or not _is_dataset(name):
+    # a data set's name is a plain word without an ending; a file of that name comes first
+    if os.path.lexists(name) or not name.replace("-", "").replace("_", "").isalnum():
         return read_mesh(name, components=components, cut=repair)
     from geoweave import datasets
 
+    if name not in datasets.names():
+        known = ", ".join(datasets.names())
+        raise MeshError(
+            f"{name}: there is neither a file nor a data set of that name; the data sets are {known}"
+        )
+    path = datasets.fetch(name)
+    if path.suffix != ".npz":
+        return read_mesh(path, components=components, cut=repair)
     mesh = datasets.load(name)
     return prepare_arrays(mesh.vertices, mesh.faces, components=components, name=name)
 
@@ -353,15 +363,6 @@ def _remeshed(prepared: Prepared, faces: int | None, name: str, say: Say) -> Pre
 
     say(f"remeshing {name} to {faces:,} triangles")
     return remeshed(prepared, faces, name=name)
-
-
-def _is_dataset(name: str) -> bool:
-    """Whether a name can be a data set's at all, and is one."""
-    if not all(letter.isalnum() or letter in "-_." for letter in name):
-        return False
-    from geoweave import datasets
-
-    return name in datasets.names()
 
 
 def _check_output(output: str, source: str) -> None:

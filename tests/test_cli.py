@@ -191,6 +191,85 @@ def test_a_scaled_or_moved_mesh_gives_the_same_field(run, tmp_path, scale, shift
         np.testing.assert_allclose(sign * there[name], here[name], atol=1e3 * tolerance)
 
 
+# -- data sets, figures, doctor -----------------------------------------------------------------------------
+
+
+def test_a_data_set_is_a_mesh_by_name(run, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run("info", "spot", "--json")
+    result = json.loads(out)
+    assert (status, err) == (0, "")
+    assert (result["mesh"], result["genus"], result["components"]) == ("spot", 0, 1)
+    assert not any(result["repairs"].values())
+    # a file of that name comes first
+    (tmp_path / "spot").write_bytes(b"OFF")
+    assert refused(run("info", "spot"), "spot: ", "save it as OBJ")
+
+
+def test_fetch_says_where_the_files_are(run, monkeypatch, tmp_path):
+    status, out, err = run("fetch", "spot", "bunny", "--json")
+    assert (status, err) == (0, "")
+    assert {name: os.path.isfile(path) for name, path in json.loads(out).items()} == {
+        "spot": True,
+        "bunny": True,
+    }
+    status, out, err = run("fetch", "spot")
+    assert (status, err) == (0, "")
+    assert out.split()[0] == "spot"
+    # a copy that is not what the registry says is refused, never used
+    (tmp_path / "cow.off").write_bytes(b"OFF\n")
+    monkeypatch.setenv("GEOWEAVE_DATA_DIR", str(tmp_path))
+    for command in ("fetch", "info"):
+        assert refused(run(command, "cow"), tmp_path / "cow.off", "sha256")
+
+
+def test_unknown_names_are_refused(run, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert refused(run("info", "rabbit"), "rabbit: ", "bunny")
+    assert refused(run("fetch", "rabbit"), "'rabbit'", "bunny")
+
+
+def test_doctor(run, monkeypatch):
+    from geoweave import doctor
+
+    for works, expected in ((True, 0), (False, 1)):
+        found = doctor.Rendering(
+            works, problem="" if works else "no EGL", remedy="" if works else "install it"
+        )
+        monkeypatch.setattr(doctor, "try_rendering", lambda timeout=1.0, found=found: found)
+        status, out, err = run("doctor", "--json")
+        assert (status, err) == (expected, "")
+        assert json.loads(out)["rendering"]["works"] is works
+        status, out, err = run("doctor")
+        assert (status, err) == (expected, "")
+        assert ("no EGL" in out) is not works
+
+
+def test_figures(run, monkeypatch):
+    from geoweave import doctor, runner
+    from geoweave.errors import RenderError
+
+    def broken():
+        raise RenderError("rendering would crash; run: apt-get install it")
+
+    monkeypatch.setattr(doctor, "require_rendering", broken)
+    line = "geoweave: rendering would crash; run: apt-get install it\n"
+    assert run("figures") == (1, "", line)
+
+    asked = []
+
+    def executed(names, profile, jobs, *, force):
+        asked.append((names, profile, jobs, force))
+        return [runner.Result("fig26", profile, "done", 1.0, 2.0, ("fig26.png",), "")]
+
+    monkeypatch.setattr(doctor, "require_rendering", lambda: None)
+    monkeypatch.setattr(runner, "run", executed)
+    status, out, err = run("figures", "fig26", "--profile", "paper", "--jobs", 2, "--json")
+    assert (status, err) == (0, "")
+    assert json.loads(out)["fig26"]["state"] == "done"
+    assert asked == [(("fig26",), "paper", 2, False)]
+
+
 # -- what is refused ----------------------------------------------------------------------------------------
 
 
@@ -287,7 +366,7 @@ def test_python_m_geoweave(ball, tmp_path):
 def test_info_imports_no_renderer(ball):
     program = (
         "import sys; from geoweave.cli import main; status = main(['info', sys.argv[1]]); "
-        "heavy = {'vtk', 'vtkmodules', 'pyvista', 'matplotlib', 'pandas', 'numba'} & set(sys.modules); "
+        "heavy = {'vtk', 'vtkmodules', 'pyvista', 'matplotlib', 'papermill'} & set(sys.modules); "
         "sys.exit(f'imported {heavy}' if heavy else status)"
     )
     done = subprocess.run(
