@@ -22,16 +22,16 @@ from geoweave.viz.picture import Picture, sheet
 from geoweave.viz.scene import Scene, View
 
 VIEWS = {
-    "armadillo": View(azimuth=155, elevation=8, up="y"),
-    "bunny": View(azimuth=-25, elevation=12, up="y"),
-    "camel": View(azimuth=60, elevation=10, up="y"),
+    "armadillo": View(azimuth=205, elevation=8, up="y"),
+    "bunny": View(azimuth=-15, elevation=12, up="y"),
+    "camel": View(azimuth=68, elevation=8, up="y"),
     "cow": View(azimuth=50, elevation=12, up="y"),
     "fertility": View(azimuth=0, elevation=10, up="y"),
     "rocker-arm": View(azimuth=225, elevation=38, up="x"),
     "rocker-like": View(azimuth=25, elevation=28, up="y"),
     "schwarz-p": View(azimuth=30, elevation=22, up="z"),
     "sphere": View(azimuth=20, elevation=25, up="z"),
-    "spot": View(azimuth=145, elevation=12, up="y"),
+    "spot": View(azimuth=128, elevation=12, up="y"),
 }
 """How each named model is looked at, standing upright."""
 
