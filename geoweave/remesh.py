@@ -64,14 +64,14 @@ def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None =
         _lines(working, creases, directed=False),
     )
     length = float(np.sqrt(4.0 * working.face_areas.sum() / (np.sqrt(3.0) * faces)))
-    patch = _opened(working, creases, length)
+    patch = opened_patch(working, creases, length)
     _collapse(patch, guide, SHORT * length, LONG * length)
-    patch = _compacted(patch)
+    patch = closed_up(patch)
     for i in range(ROUNDS + FINISH):
         if i < ROUNDS:
-            patch = _split(patch, guide, LONG * length)
+            patch = split_long(patch, guide, LONG * length)
             _collapse(patch, guide, SHORT * length, LONG * length)
-            patch = _compacted(patch)
+            patch = closed_up(patch)
             flip_edges(patch, False)
         else:
             patch = _trimmed(patch, guide, faces, length) if i < ROUNDS + 3 else patch
@@ -118,7 +118,7 @@ def _lines(mesh: TriMesh, edges: Indices, *, directed: bool) -> BoxTree:
     return tree._replace(normals=np.ascontiguousarray(along))
 
 
-def _opened(mesh: TriMesh, creases: Indices, length: float) -> Patch:
+def opened_patch(mesh: TriMesh, creases: Indices, length: float) -> Patch:
     """The mesh as arrays to edit, its boundary and creases marked, the corners and ends of these locked."""
     halfedges = mesh.edge_halfedges
     over = np.full(3 * mesh.n_faces, -1, dtype=np.int64)
@@ -204,7 +204,7 @@ def _lengths(patch: Patch) -> tuple[Indices, Scalars]:
     return h, np.linalg.norm(patch.points[a] - patch.points[b], axis=1)
 
 
-def _split(patch: Patch, guide: Guide, longest: float, budget: int = _EVERYTHING) -> Patch:
+def split_long(patch: Patch, guide: Guide, longest: float, budget: int = _EVERYTHING) -> Patch:
     """Split edges, the longest first, until none is longer than `longest` or `budget` faces are new."""
     while budget > 0:
         h, length = _lengths(patch)
@@ -230,8 +230,8 @@ def _trimmed(patch: Patch, guide: Guide, faces: int, length: float) -> Patch:
     excess = len(patch.at) // 3 - faces
     if excess > 1:
         _collapse(patch, guide, LONG * length, 1.5 * LONG * length, excess)
-        return _compacted(patch)
-    return _split(patch, guide, SHORT * length, -excess) if excess < -1 else patch
+        return closed_up(patch)
+    return split_long(patch, guide, SHORT * length, -excess) if excess < -1 else patch
 
 
 def _grown(patch: Patch, splits: int) -> Patch:
@@ -259,7 +259,7 @@ def _cut(patch: Patch, vertices: int, faces: int) -> Patch:
     )
 
 
-def _compacted(patch: Patch) -> Patch:
+def closed_up(patch: Patch) -> Patch:
     """The patch without its dead faces and vertices."""
     alive, used = patch.at >= 0, patch.corner >= 0
     corner_now, vertex_now = np.cumsum(alive) - 1, np.cumsum(used) - 1
