@@ -120,7 +120,7 @@ def curl_scale(panels: Sequence[Panel], percentile: float = 98.0) -> Scale:
     """One scale for the signed values on all surfaces, centred at zero, clamped at a percentile."""
     size = np.concatenate([np.abs(panel.face_values) for panel in panels if panel.face_values is not None])
     high = _round_up(float(np.percentile(size, percentile)))
-    label = f"signed curl × bounding radius (clamped at the {percentile:g}th percentile)"
+    label = f"signed curl (clamped at the {percentile:g}th percentile)"
     return Scale(style.diverging(), -high, high, label)
 
 

@@ -99,7 +99,7 @@ class Scene:
         values: Scalars | None = None,
         limit: float | None = None,
         colour: str = style.SURFACE,
-        crease: float = 50.0,
+        crease: float = 80.0,
     ) -> None:
         """Add the surface, smooth but for creases sharper than ``crease`` degrees.
 
