@@ -12,7 +12,7 @@ import numpy as np
 from geoweave.arrays import Complexes, Scalars
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, Handles, unit
-from geoweave.linalg import Factorization, Ordering, factorized, nested_dissection
+from geoweave.linalg import Factorization, Ordering, factorized, nested_dissection, one_blas_thread
 from geoweave.mesh import TriMesh
 from geoweave.operators import ClosedFields, as_complex, as_real
 
@@ -189,6 +189,7 @@ def ordering_of(fields: ClosedFields) -> Ordering:
     return nested_dissection(fields.smoothness[:free, :free]).with_last(fields.basis.shape[1] - free)
 
 
+@one_blas_thread()
 def geodesic_field(
     initial: FaceField,
     *,

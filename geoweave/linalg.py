@@ -6,13 +6,17 @@ The module knows matrices and never meshes.
 from __future__ import annotations
 
 import importlib.util
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
+from threadpoolctl import ThreadpoolController
 
 from geoweave.arrays import Indices, Scalars
 from geoweave.errors import GeoweaveError
@@ -24,6 +28,18 @@ Column = TypeVar("Column", NDArray[np.float64], NDArray[np.complex128])
 
 HAS_METIS = importlib.util.find_spec("pymetis") is not None
 """Whether METIS nested dissection is installed; without it SuperLU's minimum degree takes its place."""
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    return ThreadpoolController()
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Keep BLAS to one thread inside a block: on the small blocks of sparse factors more make it slower."""
+    with _libraries().limit(limits=1, user_api="blas"):
+        yield
 
 
 class SingularMatrixError(GeoweaveError):

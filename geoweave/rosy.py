@@ -10,7 +10,7 @@ from scipy import sparse
 
 from geoweave.arrays import Complexes, Indices, Scalars
 from geoweave.fields import FaceField, edge_curl, random_field, unit
-from geoweave.linalg import factorized, nested_dissection, smallest_eigenpair
+from geoweave.linalg import factorized, nested_dissection, one_blas_thread, smallest_eigenpair
 from geoweave.mesh import TriMesh
 from geoweave.operators import connection_laplacian
 
@@ -18,6 +18,7 @@ Phase: TypeAlias = Literal["least-curl", "seeded"]
 """How the common rotation is chosen that the Dirichlet energy leaves free: see `smoothest_field`."""
 
 
+@one_blas_thread()
 def smoothest_eigenfield(mesh: TriMesh, seed: int | np.random.Generator = 0) -> tuple[Scalars, FaceField]:
     """Solve ``L u = mu M u`` for the smallest mu: the globally smoothest face field, not yet unit.
 
@@ -96,6 +97,7 @@ def _with_least_curl(field: FaceField) -> FaceField:
     return FaceField(mesh, field.values * rotation[mesh.face_components])
 
 
+@one_blas_thread()
 def diffused_field(
     mesh: TriMesh,
     smoothness: float = 1.0,

@@ -36,6 +36,7 @@ from geoweave.facewalk import (
 from geoweave.fields import FaceField
 from geoweave.mesh import TriMesh
 from geoweave.separation import Samples, blocked, enlarged, first_free, forget, remember, room_for
+from geoweave.singularities import vertex_indices
 
 __all__ = ["Curve", "Curves", "Spacing", "geodesic_curvature", "streamlines"]
 
@@ -88,7 +89,7 @@ def streamlines(
     separation : distance between neighbouring lines, in the unit of the mesh
     share : the separation as a share of the bounding radius (farthest vertex from the vertex mean), used if
         ``separation`` is not given
-    singular : (V,) vertices of non-zero index, where lines end (`geoweave.singularities.vertex_indices`)
+    singular : (V,) vertices where lines end; by default those of non-zero index
     guard : lines end at this share of the shortest edge around a singular vertex
     stop : lines end nearer to each other than this share of the separation
     shortest : open lines shorter than this share of the separation are left out
@@ -112,15 +113,13 @@ def streamlines(
         raise FieldError(f"the separation of streamlines must be a positive length, not {separation}")
     if not 0 < stop <= 0.9:
         raise FieldError(f"the stopping distance must be a share of the separation in (0, 0.9], not {stop}")
-    radius = np.zeros(mesh.n_vertices)
-    if singular is not None:
-        if singular.shape != (mesh.n_vertices,):
-            raise FieldError(
-                f"flags of singular vertices need shape ({mesh.n_vertices},), not {singular.shape}"
-            )
-        nearest = np.full(mesh.n_vertices, np.inf)
-        np.minimum.at(nearest, mesh.edges.ravel(), np.repeat(mesh.edge_lengths, 2))
-        radius = np.where(singular, guard * nearest, 0.0)
+    if singular is None:
+        singular = vertex_indices(field) != 0
+    if singular.shape != (mesh.n_vertices,):
+        raise FieldError(f"flags of singular vertices need shape ({mesh.n_vertices},), not {singular.shape}")
+    nearest = np.full(mesh.n_vertices, np.inf)
+    np.minimum.at(nearest, mesh.edges.ravel(), np.repeat(mesh.edge_lengths, 2))
+    radius = np.where(singular, guard * nearest, 0.0)
     placement = _Placement(
         ground(mesh, field.values, radius), Spacing(separation, stop=stop, shortest=shortest)
     )

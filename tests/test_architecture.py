@@ -37,6 +37,7 @@ LAYERS = (
     ("operators and fields", {"fields", "operators"}),
     ("geodesic fields", {"geodesic", "reference", "rosy", "singularities"}),
     ("curves on the surface", {"curves", "facewalk", "separation", "tracing"}),
+    ("models of the figures", {"models"}),
     ("the artifact", {"doctor", "execution", "notebooks", "progress", "runner"}),
     ("the command", {"__main__", "cli"}),
 )

@@ -96,7 +96,9 @@ def drop_chart(rows: Sequence[Drop], *, width: int = 1500, alt: str = "") -> Pic
     height = 190 + 130 * len(rows)
     figure = sheet(width, height)
     with style.applied():
-        axes = figure.add_axes((0.16, 110 / height, 0.80, 1 - 170 / height))
+        # Room for the longest name: about 16 pixels a letter.
+        left = (40 + 16 * max(len(row.model) for row in rows)) / width
+        axes = figure.add_axes((left, 110 / height, 0.96 - left, 1 - 170 / height))
         for level, row in enumerate(rows):
             if row.paper_before is not None and row.paper_after is not None:
                 _arrow(axes, row.paper_before, row.paper_after, level - 0.17, "#a9a59c", style.FAINT)
@@ -110,8 +112,8 @@ def drop_chart(rows: Sequence[Drop], *, width: int = 1500, alt: str = "") -> Pic
         axes.spines["left"].set_visible(False)
         axes.grid(axis="x", color=style.LINE, linewidth=0.5)
         axes.set_axisbelow(True)
-        figure.text(0.16, 1 - 14 / height, "paper", color=style.FAINT, va="top", size=9.5)
-        figure.text(0.23, 1 - 14 / height, "this package", color=style.BLUE, va="top", size=9.5)
+        figure.text(left, 1 - 14 / height, "paper", color=style.FAINT, va="top", size=9.5)
+        figure.text(left + 0.07, 1 - 14 / height, "this package", color=style.BLUE, va="top", size=9.5)
     return Picture(figure, alt or "Total curl before and after optimisation, paper and ours")
 
 
