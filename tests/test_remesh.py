@@ -111,7 +111,7 @@ def test_the_same_input_at_any_scale_gives_the_same_mesh(scale: float) -> None:
 def test_components_stay_apart() -> None:
     ball, ring = shapes.sphere(faces=320), shapes.torus(faces=600)
     both = TriMesh(
-        np.concatenate([ball.vertices, ring.vertices + [3.0, 0.0, 0.0]]),
+        np.concatenate([ball.vertices, ring.vertices + np.array([3.0, 0.0, 0.0])]),
         np.concatenate([ball.faces, ring.faces + ball.n_vertices]),
     )
     assert topology(isotropic_remesh(both, 500)) == (2, 1, 0)

@@ -1,0 +1,132 @@
+import numpy as np
+import pytest
+
+from geoweave import shapes
+from geoweave.errors import MeshError
+from geoweave.mesh import TriMesh
+
+# name -> builder, genus, boundary loops
+TOPOLOGY = {
+    "icosahedron": (shapes.icosahedron, 0, 0),
+    "sphere": (lambda: shapes.sphere(faces=2_000), 0, 0),
+    "torus": (lambda: shapes.torus(faces=2_000), 1, 0),
+    "cylinder": (lambda: shapes.cylinder(faces=2_000), 0, 2),
+    "disk": (lambda: shapes.disk(faces=2_000), 0, 1),
+    "annulus": (lambda: shapes.annulus(faces=2_000), 0, 2),
+    "square": (lambda: shapes.square(faces=2_000), 0, 1),
+    "Schwarz-P": (lambda: shapes.schwarz_p(faces=3_000), 5, 24),
+    "one cell": (lambda: shapes.schwarz_p(cells=1, faces=1_000), 0, 6),
+    "genus 0": (lambda: shapes.genus_g(0, faces=1_000), 0, 0),
+    "genus 2": (lambda: shapes.genus_g(2, faces=2_000), 2, 0),
+    "genus 5": (lambda: shapes.genus_g(5, faces=3_000), 5, 0),
+    "rocker arm": (lambda: shapes.rocker_arm(faces=3_000), 1, 0),
+}
+
+
+def area(mesh: TriMesh) -> float:
+    return float(mesh.face_areas.sum())
+
+
+def volume(mesh: TriMesh) -> float:
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    return float(np.einsum("fx,fx->", np.cross(a, b), c) / 6.0)
+
+
+@pytest.mark.parametrize("name", TOPOLOGY)
+def test_topology(name: str) -> None:
+    build, genus, loops = TOPOLOGY[name]
+    mesh = build()
+    assert (mesh.n_components, mesh.genus, len(mesh.boundary_loops)) == (1, genus, loops)
+    assert mesh.euler_characteristic == 2 - 2 * genus - loops
+
+
+@pytest.mark.parametrize("name", TOPOLOGY)
+def test_triangles_are_good_and_even(name: str) -> None:
+    mesh = TOPOLOGY[name][0]()
+    angles = np.degrees(mesh.corner_angles)
+    assert angles.min() > 20
+    assert np.quantile(angles, 0.02) > 32
+    assert mesh.edge_lengths.std() < 0.35 * mesh.edge_lengths.mean()
+
+
+@pytest.mark.parametrize("name", [name for name, (_, _, loops) in TOPOLOGY.items() if loops == 0])
+def test_closed_surfaces_have_their_normals_outside(name: str) -> None:
+    assert volume(TOPOLOGY[name][0]()) > 0
+
+
+@pytest.mark.parametrize("name", ["disk", "annulus", "square"])
+def test_flat_surfaces_look_up(name: str) -> None:
+    np.testing.assert_allclose(TOPOLOGY[name][0]().face_normals[:, 2], 1.0, rtol=1e-12)
+
+
+@pytest.mark.parametrize("faces", [1_000, 4_000])
+@pytest.mark.parametrize(
+    "build",
+    [shapes.sphere, shapes.disk, shapes.square, shapes.rocker_arm],
+    ids=lambda build: build.__name__,
+)
+def test_the_wanted_number_of_faces(build, faces: int) -> None:
+    assert build(faces=faces).n_faces == pytest.approx(faces, rel=0.08)
+
+
+def test_the_sphere_of_fig_7() -> None:
+    mesh = shapes.sphere(subdivisions=5)
+    assert mesh.n_faces == 20_480
+    np.testing.assert_allclose(np.linalg.norm(mesh.vertices, axis=1), 1.0, rtol=1e-14)
+    assert area(mesh) == pytest.approx(4 * np.pi, rel=1e-3)
+    assert volume(mesh) == pytest.approx(4 * np.pi / 3, rel=1e-3)
+
+
+def test_the_icosahedron_is_regular() -> None:
+    mesh = shapes.icosahedron()
+    assert (mesh.n_vertices, mesh.n_edges, mesh.n_faces) == (12, 30, 20)
+    np.testing.assert_allclose(mesh.corner_angles, np.pi / 3, rtol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(mesh.vertices, axis=1), 1.0, rtol=1e-14)
+    assert volume(mesh) == pytest.approx(2.536150, rel=1e-6)
+
+
+@pytest.mark.parametrize(("major", "minor"), [(1.0, 0.4), (3.0, 0.5)])
+def test_the_torus(major: float, minor: float) -> None:
+    mesh = shapes.torus(major, minor, faces=6_000)
+    x, y, z = mesh.vertices.T
+    np.testing.assert_allclose(np.hypot(np.hypot(x, y) - major, z), minor, rtol=1e-12)
+    assert area(mesh) == pytest.approx(4 * np.pi**2 * major * minor, rel=5e-3)
+    # twice as far off as the area: the cross section is a polygon of about twenty sides
+    assert volume(mesh) == pytest.approx(2 * np.pi**2 * major * minor**2, rel=2e-2)
+
+
+def test_the_cylinder() -> None:
+    mesh = shapes.cylinder(radius=0.5, height=3.0, faces=4_000)
+    x, y, z = mesh.vertices.T
+    np.testing.assert_allclose(np.hypot(x, y), 0.5, rtol=1e-12)
+    np.testing.assert_allclose(np.abs(z[mesh.boundary_vertices]), 1.5, rtol=1e-12)
+    assert area(mesh) == pytest.approx(3 * np.pi, rel=5e-3)
+    outward = np.einsum("fx,fx->f", mesh.face_normals, mesh.barycenters * [1.0, 1.0, 0.0])
+    assert outward.min() > 0
+
+
+def test_flat_areas_and_round_rims() -> None:
+    disk, ring, square = shapes.disk(faces=4_000), shapes.annulus(0.4, 1.0, faces=4_000), shapes.square()
+    assert area(disk) == pytest.approx(np.pi, rel=2e-3)
+    assert area(ring) == pytest.approx(np.pi * (1.0 - 0.16), rel=3e-3)
+    assert area(square) == pytest.approx(4.0, rel=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(disk.vertices[disk.boundary_vertices], axis=1), 1.0, rtol=1e-12)
+    out = np.linalg.norm(ring.vertices[ring.boundary_vertices], axis=1)
+    np.testing.assert_allclose(np.minimum(np.abs(out - 0.4), np.abs(out - 1.0)), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        lambda: shapes.torus(1.0, 1.0),
+        lambda: shapes.torus(1.0, 0.0),
+        lambda: shapes.annulus(1.0, 0.5),
+        lambda: shapes.sphere(faces=4),
+        lambda: shapes.disk(faces=2),
+        lambda: shapes.genus_g(-1),
+        lambda: shapes.schwarz_p(cells=0),
+    ],
+)
+def test_shapes_that_cannot_be_are_refused(build) -> None:
+    with pytest.raises(MeshError):
+        build()
