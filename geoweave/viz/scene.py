@@ -33,7 +33,7 @@ OCCLUSION_RADIUS = 0.08
 OCCLUSION_OPEN = 0.96
 """Share of open sky above which a point counts as open: the renderer finds a little shade everywhere."""
 
-OCCLUSION_STRENGTH = 2.0
+OCCLUSION_STRENGTH = 1.5
 """Exponent on the share of open sky."""
 
 OCCLUSION_BLUR = 0.002
