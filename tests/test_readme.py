@@ -1,0 +1,42 @@
+"""The README says what the figures' files say, and names nothing that is not there."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from geoweave import datasets
+
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+TABLE = pd.read_csv(ROOT / "figures" / "paper" / "table1.csv")
+
+
+@pytest.mark.parametrize("row", TABLE.to_dict("records"), ids=TABLE["model"])
+def test_table_1_in_the_readme_is_the_published_one(row):
+    line = next(line for line in README.splitlines() if line.startswith(f"| {row['model']}"))
+    cells = [cell.strip() for cell in line.strip("|").split("|")]
+    assert cells[1:] == [
+        f"{row['faces']:,}",
+        f"{row['paper before']:.2f} → {row['paper after']:.2f}",
+        f"{100 * row['paper drop']:.0f} %",
+        f"{row['before']:.2f} → {row['after']:.2f}",
+        f"{100 * row['drop']:.0f} %",
+    ]
+
+
+def test_links_lead_somewhere():
+    targets = re.findall(r"\]\(([^)#]+)\)", README)
+    assert len(targets) > 15
+    for target in targets:
+        if not target.startswith("https://"):
+            assert (ROOT / target).exists(), target
+
+
+def test_embedded_scans_are_named():
+    for name in datasets.names():
+        if datasets.REGISTRY[name].embedded:
+            assert f"`{name}`" in README
