@@ -15,13 +15,13 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from geoweave.errors import GeoweaveError, MeshError, RenderError
+from geoweave.places import package_version
 
 if TYPE_CHECKING:
     from geoweave.fields import FaceField
@@ -74,19 +74,8 @@ def _refuse(message: str, status: int) -> int:
 
 def _version(context: click.Context, _: click.Parameter, wanted: bool) -> None:
     if wanted:
-        click.echo(f"geoweave {version()}")
+        click.echo(f"geoweave {package_version()}")
         context.exit()
-
-
-def version() -> str:
-    """Return the version of the installed package, or of the checkout that runs without being installed."""
-    try:
-        return metadata.version("geoweave")
-    except metadata.PackageNotFoundError:
-        import tomllib
-
-        project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())
-        return str(project["project"]["version"])
 
 
 @click.group(no_args_is_help=False, context_settings={"help_option_names": ["-h", "--help"]})

@@ -1,4 +1,4 @@
-"""Where files of the artifact are written: the figures folder of a profile.
+"""Where files of the artifact are written, the figures folder of a profile; which version this is.
 
 The folder is named by the environment variable ``GEOWEAVE_FIGURES``, which the notebook runner sets for
 every kernel it starts (``make test`` names a folder under ``build/``, so that no committed file changes).
@@ -6,13 +6,15 @@ A notebook run by hand has no such variable and writes to ``figures/`` of the ch
 """
 
 import os
+import tomllib
+from importlib import metadata
 from pathlib import Path
 
 from geoweave.errors import GeoweaveError
 
 FIGURES_VARIABLE = "GEOWEAVE_FIGURES"
 
-__all__ = ["FIGURES_VARIABLE", "figures_folder", "repository"]
+__all__ = ["FIGURES_VARIABLE", "figures_folder", "package_version", "repository"]
 
 
 def repository() -> Path:
@@ -32,6 +34,15 @@ def repository() -> Path:
         f"{here} is not inside a checkout of geoweave: run the command there, or name the folder for "
         f"figures in the environment variable {FIGURES_VARIABLE}"
     )
+
+
+def package_version() -> str:
+    """Version of the installed package, or of the checkout that runs without being installed."""
+    try:
+        return metadata.version("geoweave")
+    except metadata.PackageNotFoundError:
+        with (repository() / "pyproject.toml").open("rb") as file:
+            return str(tomllib.load(file)["project"]["version"])
 
 
 def figures_folder(profile: str = "default") -> Path:

@@ -13,6 +13,7 @@ from meshfiles import hostile, moebius_strip, octahedron, sheet, sphere, write
 from geoweave import cli
 from geoweave.fields import FaceField, edge_curl, total_curl
 from geoweave.mesh import TriMesh
+from geoweave.places import package_version
 
 
 @pytest.fixture
@@ -322,7 +323,7 @@ def test_bad_usage_is_one_line_and_exit_2(run, arguments, word):
 def test_help_and_version(run):
     status, out, err = run("--version")
     assert (status, err) == (0, "")
-    assert out == f"geoweave {cli.version()}\n"
+    assert out == f"geoweave {package_version()}\n"
     for arguments in (["--help"], ["-h"], ["info", "--help"], ["field", "-h"]):
         status, out, err = run(*arguments)
         assert (status, err) == (0, "")

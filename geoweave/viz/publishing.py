@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import importlib.metadata
 import json
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ import pandas as pd
 from geoweave.errors import RenderError
 from geoweave.mesh import TriMesh
 from geoweave.output import replacing
-from geoweave.places import figures_folder, repository
+from geoweave.places import figures_folder, package_version
 from geoweave.viz.picture import Picture
 
 LARGEST = 1_000_000
@@ -84,18 +83,9 @@ def provenance(
             label: {"vertices": mesh.n_vertices, "faces": mesh.n_faces, "sha256": mesh_digest(mesh)}
             for label, mesh in inputs.items()
         },
-        "versions": {"geoweave": _own_version()}
+        "versions": {"geoweave": package_version()}
         | {library: importlib.metadata.version(library) for library in LIBRARIES},
     }
-
-
-def _own_version() -> str:
-    try:
-        return importlib.metadata.version("geoweave")
-    except importlib.metadata.PackageNotFoundError:
-        # A checkout that runs without being installed states its version in pyproject.toml.
-        with (repository() / "pyproject.toml").open("rb") as file:
-            return str(tomllib.load(file)["project"]["version"])
 
 
 def mesh_digest(mesh: TriMesh) -> str:
