@@ -26,11 +26,14 @@ SHARPENING_END = 5e-3
 """Last smoothness of the default schedule, in squared mean edge lengths."""
 
 
+MOST_UNKNOWNS_AHEAD = 300_000
+"""Beyond so many unknowns (600,000 faces) two factors at a time would take more memory than time is worth."""
+
 PROBING_STEPS = 10
 """Steps from each rotation of the initial field before the most promising one is chosen."""
 
 
-def sharpening_schedule(mesh: TriMesh, levels: int = 4) -> tuple[float, ...]:
+def sharpening_schedule(mesh: TriMesh, levels: int = 3) -> tuple[float, ...]:
     """Smoothness weights from coarse to fine, a geometric sequence ("sharpening", Section 4.1.2).
 
     From 0.02 R^2, R the bounding radius, to 0.005 h^2, h the mean edge length: first the field settles as
@@ -194,7 +197,7 @@ def geodesic_field(
     initial: FaceField,
     *,
     smoothness: Sequence[float] | None = None,
-    iterations: int = 20,
+    iterations: int = 25,
     tolerance: float = 1e-4,
     handles: Handles | None = None,
     phases: int = 1,
@@ -248,15 +251,20 @@ def geodesic_field(
             w = _promising_phase(project, w, phases, tolerance, acceleration)
             start = FaceField(mesh, w)
         w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback)
+        del project  # its factors make room for the next
     return GeodesicSolve(start, FaceField(mesh, w), FaceField(mesh, v - w), tuple(steps), converged)
 
 
 def _projections(
     fields: ClosedFields, schedule: Sequence[float], ordering: Ordering, handles: Handles | None
 ) -> Iterator[ClosedProjection]:
-    """Factor the system of each smoothness in turn, the next one while the last one is in use."""
+    """Factor the system of each smoothness in turn, the next while the last is in use where both fit."""
     # What both threads read is computed before there are two of them; SuperLU works without the GIL.
     _ = fields.mass, fields.smoothness, fields.basis_transposed
+    if fields.mass.shape[0] > MOST_UNKNOWNS_AHEAD:
+        for weight in schedule:
+            yield ClosedProjection(fields, weight, ordering, handles)
+        return
     with ThreadPoolExecutor(max_workers=1) as ahead:
         upcoming = ahead.submit(ClosedProjection, fields, schedule[0], ordering, handles)
         for weight in schedule[1:]:
