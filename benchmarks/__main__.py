@@ -39,8 +39,8 @@ def growth(largest: int) -> dict:
     faces, total = np.array([[row["faces"], row["total"]] for row in rows]).T
     exponent = float(np.polyfit(np.log(faces), np.log(total), 1)[0]) if len(rows) > 1 else float("nan")
     print(f"\ngrowth of the total: faces to the power {exponent:.2f}")
-    print("start: smoothest field; set-up: operators and ordering; factor runs beside the steps, so that")
-    print("the total is less than the sum of its parts; n: linear systems solved.\n")
+    print("start: smoothest field, not in the total; set-up: operators and ordering; factor runs beside the")
+    print("steps, so that the total is less than the sum of its parts; n: linear systems solved.\n")
     return {"rows": rows, "exponent": exponent}
 
 

@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except GeoweaveError as error:
         return _refuse(str(error), 2)
     except KeyboardInterrupt:
-        return _refuse("interrupted; nothing was written", 1)
+        return _refuse("interrupted; no file was left half-written", 1)
     except BrokenPipeError:
         # the reader of our output went away; the interpreter must not complain about it when it ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

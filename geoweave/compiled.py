@@ -13,5 +13,5 @@ _Result = TypeVar("_Result")
 
 def compiled(function: Callable[_Arguments, _Result]) -> Callable[_Arguments, _Result]:
     """Compile a function on first call for the types it is called with; its checked signature stays."""
-    jitted: Callable[_Arguments, _Result] = njit(cache=True)(function)
+    jitted: Callable[_Arguments, _Result] = njit(cache=True, nogil=True)(function)
     return jitted

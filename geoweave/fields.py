@@ -149,9 +149,11 @@ class Handles:
         planar = np.einsum("hx,hx->h", ambient, frames[:, 0]) + 1j * np.einsum(
             "hx,hx->h", ambient, frames[:, 1]
         )
-        steep = np.abs(planar) <= 1e-9 * np.linalg.norm(ambient, axis=1)
+        steep = ~(np.abs(planar) > 1e-9 * np.linalg.norm(ambient, axis=1))
         if steep.any():
-            raise FieldError(f"the handle on face {int(index[steep][0])} is normal to its face; tilt it")
+            raise FieldError(
+                f"the handle on face {int(index[steep][0])} has no direction in its plane; tilt it"
+            )
         return cls(frozen(index), frozen(planar / np.abs(planar)))
 
     def marks(self, mesh: TriMesh) -> Flags:

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from geoweave.arrays import Indices, Triangles, Vectors
 from geoweave.errors import MeshError
 
-_POINT = re.compile(rb"^[ \t]*v[ \t]+(.*)$", re.MULTILINE)
-_POLYGON = re.compile(rb"^[ \t]*f[ \t]+(.*)$", re.MULTILINE)
+_POINT = re.compile(rb"^[ \t]*v(?!\S)(.*)$", re.MULTILINE)
+_POLYGON = re.compile(rb"^[ \t]*f(?!\S)(.*)$", re.MULTILINE)
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
@@ -74,6 +74,13 @@ def read_obj(data: bytes) -> RawMesh:
         line = _line_of_match(_POLYGON, text, int(np.repeat(np.arange(len(counts)), counts)[first]))
         raise MeshError(
             f"line {line}: a face names vertex {corners[first]}, but the file has vertices 1..{len(vertices)}"
+        )
+    # The format announces no counts: a cut shows only in a last line without end and vertices left over.
+    unused = len(vertices) - len(np.unique(index))
+    if not text.endswith(b"\n") and unused > 0.05 * len(vertices):
+        raise MeshError(
+            f"it seems cut short: its last line has no end, and {unused} of {len(vertices)} vertices "
+            "belong to no face; get the whole file, or end the last line if it is meant so"
         )
     return RawMesh(vertices, fan_triangles(index, counts))
 

@@ -26,9 +26,6 @@ SHARPENING_END = 5e-3
 """Last smoothness of the default schedule, in squared mean edge lengths."""
 
 
-MOST_UNKNOWNS_AHEAD = 300_000
-"""Beyond so many unknowns (600,000 faces) two factors at a time would take more memory than time is worth."""
-
 PROBING_STEPS = 10
 """Steps from each rotation of the initial field before the most promising one is chosen."""
 
@@ -77,7 +74,7 @@ class GeodesicSolve:
     ----------
     initial : the unit field it started from, after the choice of a phase if there was one
     field : the unit field w
-    delta : the perturbation of Eq. 4, ``C (w + delta) = 0``, parallel to w and zero on handles
+    delta : the perturbation of Eq. 4, ``C (w + delta) = 0``, zero on handles; parallel to w once converged
     steps : every step, in order; within one smoothness the energy never rises
     converged : whether the last smoothness ended by the stopping test, not by its number of steps
     """
@@ -90,7 +87,7 @@ class GeodesicSolve:
 
     @property
     def iterations(self) -> int:
-        """Number of steps of Algorithm 1."""
+        """Number of steps of Algorithm 1, without those that only tried a phase."""
         return len(self.steps)
 
     @property
@@ -121,13 +118,18 @@ class ClosedProjection:
     def __init__(
         self, fields: ClosedFields, smoothness: float, ordering: Ordering, handles: Handles | None = None
     ) -> None:
-        if not smoothness >= 0:
-            raise FieldError(f"the smoothness must not be negative, not {smoothness}")
+        if not 0 <= smoothness < np.inf:
+            raise FieldError(f"the smoothness must be finite and must not be negative, not {smoothness}")
         self.fields = fields
         self.smoothness = smoothness
         self._mass = np.repeat(fields.mesh.face_areas, 2)
         self._factors = factorized(fields.mass + smoothness * fields.smoothness, ordering)
         self._pins = _Pins(fields, self._factors, handles) if handles is not None else None
+
+    def unit(self, v: Complexes) -> Complexes:
+        """The w step of Algorithm 1: scale to length one; on handles take the prescribed vector, exactly."""
+        w = unit(v)
+        return w if self._pins is None else self._pins.exact(w)
 
     @property
     def size(self) -> int:
@@ -237,6 +239,10 @@ def geodesic_field(
     schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
     if not schedule or iterations < 1 or phases < 1:
         raise FieldError("Algorithm 1 needs at least one smoothness, one iteration and one phase")
+    if acceleration not in ("momentum", "none"):
+        raise FieldError(f"there is no acceleration '{acceleration}': use 'momentum' or 'none'")
+    if handles is not None and not len(handles.faces):
+        handles = None
     if phases > 1 and handles is not None:
         raise FieldError("handles fix the phase of the field: leave out the phases")
     fields = ClosedFields(mesh)
@@ -245,9 +251,12 @@ def geodesic_field(
     w = start.values if handles is None else _with_handles(start.values, handles)
     steps: list[Step] = []
     converged = False
-    for level, project in enumerate(_projections(fields, schedule, ordering, handles)):
-        limit = iterations if level < len(schedule) - 1 else 2 * iterations
-        if level == 0 and phases > 1:
+    # Not enumerate: it would keep the last projection, and its factors, while the next one is made.
+    remaining = len(schedule)
+    for project in _projections(fields, schedule, ordering, handles):
+        remaining -= 1
+        limit = iterations if remaining else 2 * iterations
+        if remaining == len(schedule) - 1 and phases > 1:
             w = _promising_phase(project, w, phases, tolerance, acceleration)
             start = FaceField(mesh, w)
         w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback)
@@ -258,13 +267,9 @@ def geodesic_field(
 def _projections(
     fields: ClosedFields, schedule: Sequence[float], ordering: Ordering, handles: Handles | None
 ) -> Iterator[ClosedProjection]:
-    """Factor the system of each smoothness in turn, the next while the last is in use where both fit."""
-    # What both threads read is computed before there are two of them; SuperLU works without the GIL.
+    """Factor the system of each smoothness in turn, the next while the last is in use."""
+    # What both threads read is computed before there are two of them; factoring works without the GIL.
     _ = fields.mass, fields.smoothness, fields.basis_transposed
-    if fields.mass.shape[0] > MOST_UNKNOWNS_AHEAD:
-        for weight in schedule:
-            yield ClosedProjection(fields, weight, ordering, handles)
-        return
     with ThreadPoolExecutor(max_workers=1) as ahead:
         upcoming = ahead.submit(ClosedProjection, fields, schedule[0], ordering, handles)
         for weight in schedule[1:]:
@@ -289,12 +294,12 @@ def _alternate(
     v, energy = project(w)
     previous, momentum = w, 1.0
     for _ in range(limit):
-        plain = unit(v)
+        plain = project.unit(v)
         trial = plain
         if acceleration == "momentum":
             # Nesterov's sequence: go on in the direction of the last step.
             following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum**2))
-            trial = unit(plain + (momentum - 1.0) / following * (plain - previous))
+            trial = project.unit(plain + (momentum - 1.0) / following * (plain - previous))
             momentum = following
         trial_v, trial_energy = project(trial)
         if trial_energy > energy and trial is not plain:
@@ -302,6 +307,11 @@ def _alternate(
             trial, momentum = plain, 1.0
             trial_v, trial_energy = project(trial)
         if trial_energy > energy:
+            if trial_energy > energy + 1e-8 * abs(energy) + 1e-14 * mesh.face_areas.sum():
+                raise FieldError(
+                    f"a step of Algorithm 1 raised the energy from {energy:.6g} to {trial_energy:.6g}: the "
+                    "mesh is too distorted for double precision; remesh it (--faces N)"
+                )
             # Only rounding is left to gain: the field is stationary to working precision.
             return w, v, True
         change = float(np.sqrt(np.average(np.abs(trial - w) ** 2, weights=mesh.face_areas)))

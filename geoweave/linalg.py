@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Protocol, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 from threadpoolctl import ThreadpoolController
 
+from geoweave import cholesky
 from geoweave.arrays import Indices, Scalars
 from geoweave.errors import GeoweaveError
 
@@ -25,6 +26,9 @@ SparseMatrix: TypeAlias = sparse.csr_array | sparse.csc_array | sparse.dia_array
 """A square sparse matrix in a format that is fast to read by rows or columns."""
 
 Column = TypeVar("Column", NDArray[np.float64], NDArray[np.complex128])
+
+LARGE = 60_000
+"""Unknowns from which our own Cholesky factorisation takes the place of SuperLU."""
 
 HAS_METIS = importlib.util.find_spec("pymetis") is not None
 """Whether METIS nested dissection is installed; without it SuperLU's minimum degree takes its place."""
@@ -100,27 +104,50 @@ def nested_dissection(pattern: SparseMatrix) -> Ordering:
     return Ordering(np.asarray(order, dtype=np.int64))
 
 
+class Factorization(Protocol):
+    """The factors of a Hermitian positive definite matrix: made once, solved with many times."""
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns."""
+
+    @property
+    def fill(self) -> int:
+        """Number of stored entries."""
+
+    def solve(self, right: Column) -> Column:
+        """Solve for one right-hand side (n,) or several (n, k), real or complex as the matrix is."""
+
+
 @dataclass(frozen=True, eq=False)
-class Factorization:
-    """The factors of a Hermitian positive definite matrix: made once, solved with many times.
+class _Cholesky:
+    _symbolic: cholesky.Symbolic
+    _entries: Scalars
+    size: int
 
-    Attributes
-    ----------
-    size : number of unknowns
-    fill : stored entries of the factors
-    """
+    @property
+    def fill(self) -> int:
+        return self._symbolic.fill
 
+    def solve(self, right: Column) -> Column:
+        columns = np.asarray(right, dtype=np.float64).reshape(self.size, -1)
+        solution = np.empty_like(right)
+        for k, column in enumerate(columns.T):
+            solution.reshape(self.size, -1)[:, k] = cholesky.solve(self._symbolic, self._entries, column)
+        return solution
+
+
+@dataclass(frozen=True, eq=False)
+class _SuperLU:
     _factors: SuperLU
     _order: Indices | None
     size: int
 
     @property
     def fill(self) -> int:
-        """Number of stored entries in both factors."""
         return int(self._factors.nnz)
 
     def solve(self, right: Column) -> Column:
-        """Solve for one right-hand side (n,) or several (n, k), real or complex as the matrix is."""
         if self._order is None:
             return self._factors.solve(right)
         solution = np.empty_like(right)
@@ -136,12 +163,21 @@ def factorized(matrix: SparseMatrix, ordering: Ordering) -> Factorization:
     matrix : (n, n) sparse, real symmetric or complex Hermitian, positive definite
     ordering : elimination order of the same pattern
 
+    Large real matrices go to `geoweave.cholesky`, several times faster on them but compiled on first use;
+    small ones, complex ones, and all where METIS is missing, go to SuperLU.
+
     Raises
     ------
     SingularMatrixError
         If a pivot vanishes.
     """
     order = ordering.order
+    if order is not None and matrix.shape[0] >= LARGE and not np.iscomplexobj(matrix):
+        symbolic = cholesky.analysed(matrix, order)
+        try:
+            return _Cholesky(symbolic, cholesky.factor(matrix, symbolic), matrix.shape[0])
+        except cholesky.NotDefiniteError as error:
+            raise SingularMatrixError(f"a matrix of {matrix.shape[0]} unknowns is not definite") from error
     csc = sparse.csc_array(matrix)
     if order is not None:
         csc = csc[order][:, order].tocsc()
@@ -156,7 +192,7 @@ def factorized(matrix: SparseMatrix, ordering: Ordering) -> Factorization:
         )
     except RuntimeError as error:
         raise SingularMatrixError(f"a matrix of {csc.shape[0]} unknowns is singular") from error
-    return Factorization(factors, order, csc.shape[0])
+    return _SuperLU(factors, order, csc.shape[0])
 
 
 def smallest_eigenpair(

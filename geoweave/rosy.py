@@ -9,6 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from geoweave.arrays import Complexes, Indices, Scalars
+from geoweave.errors import FieldError
 from geoweave.fields import FaceField, edge_curl, random_field, unit
 from geoweave.linalg import factorized, nested_dissection, one_blas_thread, smallest_eigenpair
 from geoweave.mesh import TriMesh
@@ -77,6 +78,8 @@ def smoothest_field(
     -------
     FaceField of unit vectors
     """
+    if phase not in ("least-curl", "seeded"):
+        raise FieldError(f"there is no phase '{phase}': use 'least-curl' or 'seeded'")
     _, field = smoothest_eigenfield(mesh, seed)
     field = field.normalized()
     return field if phase == "seeded" else _with_least_curl(field)
@@ -122,6 +125,8 @@ def diffused_field(
     -------
     FaceField of unit vectors
     """
+    if not 0 < smoothness < np.inf:
+        raise FieldError(f"the smoothness must be positive and finite, not {smoothness}")
     mass = sparse.diags_array(mesh.face_areas)
     laplacian = connection_laplacian(mesh)
     factors = factorized(mass + smoothness * laplacian, nested_dissection(laplacian))

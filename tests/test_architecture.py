@@ -13,7 +13,7 @@ PACKAGE = ROOT / "geoweave"
 # A module imports from layers above its own, or from its own layer as long as that makes no circle.
 LAYERS = (
     ("words", {"arrays", "compiled", "errors", "places"}),
-    ("matrices", {"linalg"}),
+    ("matrices", {"cholesky", "linalg"}),
     ("the surface", {"mesh"}),
     (
         "meshes from files and formulas",

@@ -401,7 +401,7 @@ def test_control_c_leaves_nothing_and_says_one_line(run, ball, tmp_path, monkeyp
     place = {"smoothest_field": geoweave.rosy, "geodesic_field": geoweave.geodesic, "savez": np}[stage]
     monkeypatch.setattr(place, stage, interrupted)
     status, out, err = run("field", ball, "-o", tmp_path / "f.npz")
-    assert (status, out, err) == (1, "", "geoweave: interrupted; nothing was written\n")
+    assert (status, out, err) == (1, "", "geoweave: interrupted; no file was left half-written\n")
     assert os.listdir(tmp_path) == ["ball.off"]
 
 

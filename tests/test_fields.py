@@ -80,7 +80,7 @@ def test_handles_refuse_what_they_cannot_mean():
         Handles.from_ambient(mesh, [mesh.n_faces], [[1, 0, 0]])
     with pytest.raises(FieldError, match="named twice"):
         Handles.from_ambient(mesh, [1, 1], [[1, 0, 0], [0, 1, 0]])
-    with pytest.raises(FieldError, match="normal to its face"):
+    with pytest.raises(FieldError, match="no direction in its plane"):
         Handles.from_ambient(mesh, [1], mesh.face_normals[[1]])
     with pytest.raises(FieldError, match="2 handle faces but 1"):
         Handles.from_ambient(mesh, [1, 2], [[1, 0, 0]])

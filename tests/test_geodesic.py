@@ -26,7 +26,7 @@ def assert_energy_never_rises(solve):
 @pytest.mark.parametrize("name", ALL)
 @pytest.mark.parametrize("acceleration", ["momentum", "none"])
 def test_algorithm_1_keeps_its_promises(name, acceleration):
-    """Section 4.1.3: constraints hold, the energy never rises, delta is parallel to w, curl falls."""
+    """Section 4.1.3: constraints hold, the energy never rises, the curl falls."""
     mesh = surface(name)
     initial = random_field(mesh, 0)
     solve = geodesic_field(initial, acceleration=acceleration, iterations=8)
@@ -40,6 +40,25 @@ def test_algorithm_1_keeps_its_promises(name, acceleration):
     assert last.energy == pytest.approx(
         eq5_energy(mesh, solve.field.values, closed, last.smoothness), rel=1e-6
     )
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "genus 5", "Schwarz-P"])
+def test_the_energy_falls_when_the_alternation_is_written_out(name):
+    """Appendix B: both half steps lower Eq. 9, computed here from its definition after each."""
+    mesh = surface(name)
+    fields = ClosedFields(mesh)
+    project = ClosedProjection(fields, 1e-3, ordering_of(fields))
+    w = random_field(mesh, 0).values
+    v, _ = project(w)
+    energy = eq5_energy(mesh, w, v, 1e-3)
+    for _ in range(15):
+        w = v / np.abs(v)
+        middle = eq5_energy(mesh, w, v, 1e-3)
+        v, reported = project(w)
+        after = eq5_energy(mesh, w, v, 1e-3)
+        assert energy > middle > after
+        assert reported == pytest.approx(after, rel=1e-9)
+        energy = after
 
 
 @pytest.mark.parametrize("name", ["jagged sphere", "torus", "annulus"])
@@ -70,7 +89,7 @@ def test_the_projection_minimises(name):
 
 
 # Where the start is a solution already (flat pieces), there is nothing to accelerate.
-@pytest.mark.parametrize("name", ["sphere", "jagged sphere", "torus", "genus 5", "Schwarz-P"])
+@pytest.mark.parametrize("name", ["jagged sphere", "genus 5", "Schwarz-P"])
 def test_momentum_reaches_a_lower_energy_in_the_same_number_of_steps(name):
     mesh = surface(name)
     initial = smoothest_field(mesh)
@@ -78,7 +97,7 @@ def test_momentum_reaches_a_lower_energy_in_the_same_number_of_steps(name):
         kind: geodesic_field(initial, smoothness=[1e-3], iterations=15, tolerance=0, acceleration=kind)
         for kind in ("momentum", "none")
     }
-    assert runs["momentum"].energies[-1] <= runs["none"].energies[-1] * (1 + 1e-9)
+    assert runs["momentum"].energies[-1] < runs["none"].energies[-1]
 
 
 def test_radial_field_on_an_annulus_is_geodesic_already():
@@ -136,6 +155,17 @@ def test_handles_are_held_exactly(smoothness):
     assert np.abs(edge_curl(solve.field + solve.delta)).max() < 1e-11
 
 
+def test_many_handles_are_held_to_the_last_bit():
+    mesh = surface("jagged sphere")
+    faces = np.linspace(20, mesh.n_faces - 20, 12).astype(int)
+    for seed in range(3):
+        vectors = np.random.default_rng(seed).normal(size=(12, 3))
+        handles = Handles.from_ambient(mesh, faces, vectors)
+        solve = geodesic_field(random_field(mesh, seed), handles=handles, iterations=5)
+        np.testing.assert_array_equal(solve.field.values[faces], handles.values)
+        np.testing.assert_array_equal(solve.delta.values[faces], 0)
+
+
 def test_touching_handles_that_agree_are_held_and_others_refused():
     mesh = surface("disk")
     i, j = mesh.edge_faces[mesh.interior_edges[40]]
@@ -187,8 +217,10 @@ def test_nonsense_is_refused():
     field = random_field(surface("disk"), 0)
     with pytest.raises(FieldError, match="at least one"):
         geodesic_field(field, smoothness=[])
-    with pytest.raises(FieldError, match="must not be negative"):
+    with pytest.raises(FieldError, match="must be finite and must not be negative"):
         geodesic_field(field, smoothness=[-1.0])
+    with pytest.raises(FieldError, match="no acceleration 'anderson'"):
+        geodesic_field(field, acceleration="anderson")
     with pytest.raises(FieldError, match="handles fix the phase"):
         geodesic_field(field, phases=2, handles=two_handles(field.mesh))
 

@@ -1,7 +1,7 @@
 """What Section 4.1 says of its fields, on real scans and on the sphere; bounding radius 1 throughout.
 
-The scans that may not be shipped are looked for in the data folder and in ``../shared/meshes``; what is not
-at hand is not collected, and the shipped models are always tested.
+The scans that may not be shipped are tested where they are at hand (``geoweave fetch``, or a folder named by
+GEOWEAVE_DATA_DIR, or one beside the checkout) and reported as skipped where not.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from _pytest.mark import ParameterSet
 
 from geoweave import datasets, models, shapes
 from geoweave.fields import total_curl
@@ -32,7 +33,16 @@ def _look_nearby(patch: pytest.MonkeyPatch) -> None:
         patch.setenv(datasets.VARIABLE, str(NEARBY))
 
 
-FETCHED = tuple(name for name in ("rocker-arm", "cow", "fertility") if _at_hand(name))
+FETCHED = ("rocker-arm", "cow", "fertility")
+
+
+def cases(*names: str) -> list[ParameterSet]:
+    return [
+        pytest.param(name, marks=pytest.mark.skipif(not _at_hand(name), reason=f"run: geoweave fetch {name}"))
+        if name in FETCHED
+        else pytest.param(name)
+        for name in names
+    ]
 
 
 def solved(name: str, patch: pytest.MonkeyPatch) -> GeodesicSolve:
@@ -40,7 +50,7 @@ def solved(name: str, patch: pytest.MonkeyPatch) -> GeodesicSolve:
     return geodesic_field(smoothest_field(models.load(name)), phases=4)
 
 
-@pytest.mark.parametrize("name", SHIPPED + FETCHED)
+@pytest.mark.parametrize("name", cases(*SHIPPED, *FETCHED))
 def test_table_1_total_curl_drops_by_a_third(name, monkeypatch):
     """Table 1: "our algorithm significantly reduced the total curl", from Eq. 5 without the constraint."""
     _look_nearby(monkeypatch)
@@ -54,7 +64,7 @@ def test_table_1_total_curl_drops_by_a_third(name, monkeypatch):
 LIMITS = {"rocker-arm": (9.0, 20), "fertility": (7.6, 22), "cow": (7.1, 32), "schwarz-p": (13.0, 20)}
 
 
-@pytest.mark.parametrize("name", [name for name in LIMITS if name in FETCHED or name in SHIPPED])
+@pytest.mark.parametrize("name", cases(*LIMITS))
 def test_final_curl_is_below_that_of_the_authors_code(name, monkeypatch):
     solve = solved(name, monkeypatch)
     curl, singularities = LIMITS[name]
@@ -63,12 +73,12 @@ def test_final_curl_is_below_that_of_the_authors_code(name, monkeypatch):
     assert index_sum(solve.field) == solve.field.mesh.euler_characteristic
 
 
-@pytest.mark.parametrize("name", SHIPPED + FETCHED)
+@pytest.mark.parametrize("name", cases(*SHIPPED, *FETCHED))
 def test_no_vorticity_near_singularities(name, monkeypatch):
     """Section 4.1.2: "integral curves are locally geodesics, with no vorticity near singularities"."""
     solve = solved(name, monkeypatch)
     around = np.abs(circulation(solve.field, singular_vertices(solve.field)))
-    # Measured 0.05 at most, against up to 0.9 for the smoothest fields.
+    # Measured 0.055 at most, against up to 0.9 for the smoothest fields.
     assert around.max() < 0.08
 
 
