@@ -40,3 +40,16 @@ def test_embedded_scans_are_named():
     for name in datasets.names():
         if datasets.REGISTRY[name].embedded:
             assert f"`{name}`" in README
+
+
+def test_second_table_and_vorticity_are_the_published_ones():
+    gallery = pd.read_csv(ROOT / "figures" / "paper" / "fig08_gallery.csv").set_index("model")
+    for name, model in (("rocker-arm.obj", "Rocker Arm"), ("cow.off", "Cow")):
+        line = next(line for line in README.splitlines() if line.startswith(f"| {name}"))
+        row = gallery.loc[model]
+        assert line.endswith(f"| {row['curl after']:.2f}, {row['singularities']} |")
+    before, after = (gallery[f"vorticity {when}"].max() for when in ("before", "after"))
+    stated = re.search(r"falls from up to (\S+) in the smoothest field to (\S+) or less", README)
+    assert stated is not None
+    assert float(stated[1]) == pytest.approx(before, abs=0.005)
+    assert after <= float(stated[2])
