@@ -16,6 +16,7 @@ from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars
 from geoweave.compiled import compiled
+from geoweave.errors import GeoweaveError
 
 Matrix: TypeAlias = sparse.csr_array | sparse.csc_array | sparse.dia_array
 
@@ -23,7 +24,7 @@ PANEL = 48
 """Rows that dense products take at a time; narrower blocks are worked through entry by entry."""
 
 
-class NotDefiniteError(Exception):
+class NotDefiniteError(GeoweaveError):
     """The matrix is not positive definite to working precision."""
 
 
@@ -417,7 +418,7 @@ def factor(matrix: Matrix, symbolic: Symbolic) -> Scalars:
         symbolic.workspace,
     )  # fmt: skip
     if bad >= 0:
-        raise NotDefiniteError(int(symbolic.order[bad]))
+        raise NotDefiniteError(f"row {int(symbolic.order[bad])} makes the matrix indefinite")
     return entries
 
 

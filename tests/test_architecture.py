@@ -117,7 +117,8 @@ def test_viz_knows_no_runner_and_no_command(path: Path) -> None:
 
 
 def test_matrices_know_no_mesh() -> None:
-    assert siblings(PACKAGE / "linalg.py") <= {"arrays", "errors"}
+    assert siblings(PACKAGE / "linalg.py") <= {"arrays", "cholesky", "errors"}
+    assert siblings(PACKAGE / "cholesky.py") <= {"arrays", "compiled", "errors"}
 
 
 @pytest.mark.parametrize("module", ["geoweave", "geoweave.cli", "geoweave.runner"])
