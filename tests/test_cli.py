@@ -388,7 +388,7 @@ def test_a_reader_that_goes_away_makes_no_noise(ball):
 
 
 @pytest.mark.parametrize("stage", ["smoothest_field", "geodesic_field", "savez"])
-def test_control_c_leaves_nothing_and_says_one_line(run, ball, tmp_path, monkeypatch, stage):
+def test_control_c_leaves_nothing_and_says_one_line(run, ball, tmp_path, monkeypatch, request, stage):
     import geoweave.geodesic
     import geoweave.rosy
 
@@ -398,6 +398,9 @@ def test_control_c_leaves_nothing_and_says_one_line(run, ball, tmp_path, monkeyp
         os.kill(os.getpid(), signal.SIGINT)
         time.sleep(10)
 
+    # A shell that starts jobs in the background has them ignore the signal.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
     place = {"smoothest_field": geoweave.rosy, "geodesic_field": geoweave.geodesic, "savez": np}[stage]
     monkeypatch.setattr(place, stage, interrupted)
     status, out, err = run("field", ball, "-o", tmp_path / "f.npz")
