@@ -41,7 +41,7 @@ def sharpening_schedule(mesh: TriMesh, levels: int = 3) -> tuple[float, ...]:
     -------
     (levels,) lambda, unit length^2
     """
-    radius = float(np.linalg.norm(mesh.vertices - mesh.vertices.mean(axis=0), axis=1).max())
+    radius = mesh.bounding_radius
     first, last = SHARPENING_START * radius**2, SHARPENING_END * mesh.mean_edge**2
     return tuple(float(value) for value in np.geomspace(max(first, last), last, levels))
 

@@ -281,6 +281,11 @@ class TriMesh:
         """Mean edge length h."""
         return float(self.edge_lengths.mean())
 
+    @property
+    def bounding_radius(self) -> float:
+        """Distance of the farthest vertex from the mean of all: the unit of length of the project."""
+        return float(np.linalg.norm(self.vertices - self.vertices.mean(axis=0), axis=1).max())
+
     @cached_property
     def _area_vectors(self) -> Vectors:
         a, b, c = (self.vertices[self.faces[:, k]] for k in range(3))

@@ -81,6 +81,5 @@ def bending(curves: Curves) -> float:
 
     It is 0 for geodesics and 1 for curves that turn one radian on a length of one bounding radius.
     """
-    mesh = curves.mesh
-    radius = float(np.linalg.norm(mesh.vertices - mesh.vertices.mean(axis=0), axis=1).max())
-    return float(np.average(np.abs(geodesic_curvature(curves)), weights=curves.segment_lengths)) * radius
+    mean = float(np.average(np.abs(geodesic_curvature(curves)), weights=curves.segment_lengths))
+    return mean * curves.mesh.bounding_radius

@@ -107,8 +107,7 @@ def streamlines(
     """
     mesh = field.mesh
     if separation is None:
-        center = mesh.vertices.mean(axis=0)
-        separation = share * float(np.linalg.norm(mesh.vertices - center, axis=1).max())
+        separation = share * mesh.bounding_radius
     if not (np.isfinite(separation) and separation > 0):
         raise FieldError(f"the separation of streamlines must be a positive length, not {separation}")
     if not 0 < stop <= 0.9:

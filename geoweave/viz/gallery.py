@@ -97,11 +97,6 @@ class Scale:
         return "both" if self.low < 0 else "max"
 
 
-def bounding_radius(mesh: TriMesh) -> float:
-    """Farthest vertex from the vertex mean."""
-    return float(np.linalg.norm(mesh.vertices - mesh.vertices.mean(axis=0), axis=1).max())
-
-
 def curvature_scale(panels: Sequence[Panel], percentile: float = 95.0) -> Scale:
     """One scale for the bending of all curves, ``|k_g|`` times bounding radius; clamped at a percentile."""
     values = [_bending(panel.curves) for panel in panels if panel.curves is not None]
@@ -215,7 +210,7 @@ def panel_scene(
 ) -> Scene:
     """Build the scene of a panel; curves without a scale are drawn in ink, values without one not at all."""
     scene, mesh = Scene(panel.eye), panel.surface
-    radius = bounding_radius(mesh)
+    radius = mesh.bounding_radius
     if panel.face_values is not None and curl is not None:
         scene.add_surface(mesh, values=panel.face_values, limit=curl.high)
     else:
@@ -234,7 +229,7 @@ def panel_scene(
 
 
 def _bending(curves: Curves) -> Scalars:
-    return np.abs(geodesic_curvature(curves)) * bounding_radius(curves.mesh)
+    return np.abs(geodesic_curvature(curves)) * curves.mesh.bounding_radius
 
 
 def _round_up(value: float) -> float:
