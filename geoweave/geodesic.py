@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+from scipy import sparse
 
-from geoweave.arrays import Complexes, Scalars
+from geoweave.arrays import Complexes, Indices, Scalars
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, Handles, unit
 from geoweave.linalg import Factorization, Ordering, factorized, nested_dissection, one_blas_thread
 from geoweave.mesh import TriMesh
-from geoweave.operators import ClosedFields, as_complex, as_real
+from geoweave.operators import AllFields, ClosedFields, as_complex, as_real, dual_weights
 
 Acceleration: TypeAlias = Literal["momentum", "none"]
 """How a step of Algorithm 1 starts: at the last field, or past it (DEVIATIONS.md, momentum)."""
@@ -104,7 +105,7 @@ class ClosedProjection:
 
     Parameters
     ----------
-    fields : the closed fields of the mesh
+    fields : the closed fields of the mesh, or all its fields
     smoothness : lambda >= 0, unit length^2
     ordering : of `ordering_of(fields)`; the same for every smoothness
     handles : faces where v is prescribed
@@ -116,14 +117,21 @@ class ClosedProjection:
     """
 
     def __init__(
-        self, fields: ClosedFields, smoothness: float, ordering: Ordering, handles: Handles | None = None
+        self,
+        fields: ClosedFields | AllFields,
+        smoothness: float,
+        ordering: Ordering,
+        handles: Handles | None = None,
     ) -> None:
         if not 0 <= smoothness < np.inf:
             raise FieldError(f"the smoothness must be finite and must not be negative, not {smoothness}")
         self.fields = fields
         self.smoothness = smoothness
         self._mass = np.repeat(fields.mesh.face_areas, 2)
-        self._factors = factorized(fields.mass + smoothness * fields.smoothness, ordering)
+        system = fields.mass + smoothness * fields.smoothness
+        if handles is not None:
+            system = system + _pinning(fields, smoothness, handles)
+        self._factors = factorized(sparse.csr_array(system), ordering)
         self._pins = _Pins(fields, self._factors, handles) if handles is not None else None
 
     def unit(self, v: Complexes) -> Complexes:
@@ -154,13 +162,29 @@ class ClosedProjection:
         return v, 0.5 * distance + 0.5 * self.smoothness * roughness
 
 
+def _pinning(fields: ClosedFields | AllFields, smoothness: float, handles: Handles) -> sparse.csr_array:
+    """``g B_H' B_H``: constant where the handles hold, so it changes no minimiser, but it keeps K definite.
+
+    At large lambda the mass alone holds what has no Dirichlet energy (on flat surfaces the constant fields),
+    and the solution would lose as many digits as lambda has.
+    """
+    mesh = fields.mesh
+    rows = fields.basis[_rows(handles)]
+    weight = float(mesh.face_areas.mean() + smoothness * dual_weights(mesh).mean())
+    return sparse.csr_array(weight * (rows.T @ rows))
+
+
+def _rows(handles: Handles) -> Indices:
+    """Rows of B that belong to the handles' faces."""
+    return np.asarray((2 * handles.faces[:, None] + np.arange(2)).ravel(), dtype=np.int64)
+
+
 class _Pins:
     """Handles as equality constraints ``B_H x = w^H`` on a factored system, through its Schur complement."""
 
-    def __init__(self, fields: ClosedFields, factors: Factorization, handles: Handles) -> None:
-        rows = (2 * handles.faces[:, None] + np.arange(2)).ravel()
+    def __init__(self, fields: ClosedFields | AllFields, factors: Factorization, handles: Handles) -> None:
         self._handles = handles
-        self._constraint = fields.basis[rows]
+        self._constraint = fields.basis[_rows(handles)]
         self._values = as_real(handles.values)
         self._response = factors.solve(self._constraint.T.toarray())
         schur = self._constraint @ self._response
@@ -188,8 +212,10 @@ class _Pins:
         return v
 
 
-def ordering_of(fields: ClosedFields) -> Ordering:
+def ordering_of(fields: ClosedFields | AllFields) -> Ordering:
     """Elimination order of ``B' (M + lambda L) B`` for every lambda: potentials, then generators."""
+    if isinstance(fields, AllFields):
+        return nested_dissection(fields.smoothness)
     free = len(fields.free_vertices)
     return nested_dissection(fields.smoothness[:free, :free]).with_last(fields.basis.shape[1] - free)
 
@@ -204,6 +230,7 @@ def geodesic_field(
     handles: Handles | None = None,
     phases: int = 1,
     acceleration: Acceleration = "momentum",
+    curl_free: bool = True,
     callback: Callback | None = None,
 ) -> GeodesicSolve:
     """Compute a discrete geodesic field by Algorithm 1.
@@ -223,6 +250,8 @@ def geodesic_field(
         at the first smoothness, and go on from the one of least energy (DEVIATIONS.md, phases). A smoothest
         field is as smooth after every such rotation; a field that means its directions wants 1.
     acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
+    curl_free : False removes the constraint ``C (w + delta) = 0`` from Eq. 5: the field is then only smooth,
+        as in the comparison of Fig. 10
     callback : called after every step with the `Step` and the field
 
     Returns
@@ -245,7 +274,7 @@ def geodesic_field(
         handles = None
     if phases > 1 and handles is not None:
         raise FieldError("handles fix the phase of the field: leave out the phases")
-    fields = ClosedFields(mesh)
+    fields = ClosedFields(mesh) if curl_free else AllFields(mesh)
     ordering = ordering_of(fields)
     start = initial.normalized()
     w = start.values if handles is None else _with_handles(start.values, handles)
@@ -265,7 +294,7 @@ def geodesic_field(
 
 
 def _projections(
-    fields: ClosedFields, schedule: Sequence[float], ordering: Ordering, handles: Handles | None
+    fields: ClosedFields | AllFields, schedule: Sequence[float], ordering: Ordering, handles: Handles | None
 ) -> Iterator[ClosedProjection]:
     """Factor the system of each smoothness in turn, the next while the last is in use."""
     # What both threads read is computed before there are two of them; factoring works without the GIL.

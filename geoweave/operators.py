@@ -283,3 +283,39 @@ class ClosedFields:
         jumps = transport_differences(self.mesh) @ self.basis
         weights = sparse.diags_array(np.repeat(dual_weights(self.mesh), 2))
         return sparse.csr_array(jumps.T @ weights @ jumps)
+
+
+@dataclass(frozen=True, eq=False)
+class AllFields:
+    """Every face field, in the form of `ClosedFields`: ``v = x``, with no constraint on its curl.
+
+    What Eq. 5 becomes when the curl constraint is removed (Table 1, Fig. 10).
+
+    Attributes
+    ----------
+    mesh : the surface
+    """
+
+    mesh: TriMesh
+
+    @cached_property
+    def basis(self) -> sparse.csr_array:
+        """The identity, (2F, 2F)."""
+        return sparse.csr_array(sparse.eye_array(2 * self.mesh.n_faces))
+
+    @property
+    def basis_transposed(self) -> sparse.csr_array:
+        """The identity."""
+        return self.basis
+
+    @cached_property
+    def mass(self) -> sparse.csr_array:
+        """M, the areas."""
+        return sparse.csr_array(field_mass(self.mesh))
+
+    @cached_property
+    def smoothness(self) -> sparse.csr_array:
+        """L, the Dirichlet energy, as a real matrix (2F, 2F)."""
+        jumps = transport_differences(self.mesh)
+        weights = sparse.diags_array(np.repeat(dual_weights(self.mesh), 2))
+        return sparse.csr_array(jumps.T @ weights @ jumps)

@@ -9,7 +9,7 @@ from geoweave.errors import FieldError
 from geoweave.fields import FaceField, Handles, edge_curl, random_field, total_curl
 from geoweave.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
 from geoweave.mesh import TriMesh
-from geoweave.operators import ClosedFields, dirichlet_energy
+from geoweave.operators import ClosedFields, dirichlet_energy, face_laplacian
 from geoweave.rosy import smoothest_field
 from geoweave.singularities import circulation, index_sum, singular_vertices
 
@@ -153,6 +153,48 @@ def test_handles_are_held_exactly(smoothness):
     np.testing.assert_array_equal(solve.field.values[handles.faces], handles.values)
     np.testing.assert_array_equal(solve.delta.values[handles.faces], 0)
     assert np.abs(edge_curl(solve.field + solve.delta)).max() < 1e-11
+
+
+def test_handles_hold_as_lambda_grows_without_bound():
+    """Section 4.1.4: the limit is the smoothest curl-free field; on a disk only handles hold constants."""
+    mesh = shapes.disk(faces=8000)
+    facing = two_handles(mesh, angle=np.pi)
+    fields = ClosedFields(mesh)
+    limit = []
+    for smoothness in (1e3, 1e6, 1e9):
+        v, _ = ClosedProjection(fields, smoothness, ordering_of(fields), facing)(random_field(mesh, 0).values)
+        np.testing.assert_array_equal(v[facing.faces], facing.values)
+        assert np.abs(edge_curl(FaceField(mesh, v))).max() < 1e-9
+        limit.append(v)
+    # The mass of Eq. 5 is felt in proportion to 1 / lambda: 9e-5 and 9e-8 of a unit vector are left.
+    assert np.abs(limit[0] - limit[2]).max() < 1e-3
+    assert np.abs(limit[1] - limit[2]).max() < 1e-6
+
+
+def test_without_the_curl_constraint_the_field_between_handles_is_harmonic():
+    """Fig. 10: at large lambda both components solve the Laplace equation with the handles' values."""
+    mesh = surface("disk")
+    handles = two_handles(mesh)
+    solve = geodesic_field(random_field(mesh, 0), smoothness=[1e9], handles=handles, curl_free=False)
+    np.testing.assert_array_equal(solve.field.values[handles.faces], handles.values)
+    closed = (solve.field + solve.delta).ambient
+    elsewhere = ~handles.marks(mesh)
+    residual = (face_laplacian(mesh) @ closed)[elsewhere]
+    assert np.abs(residual).max() < 1e-8
+    # The vectors turn from one handle to the other, by a quarter turn, and never leave that sector.
+    assert closed[:, :2].min() > -1e-8
+    assert np.abs(edge_curl(solve.field + solve.delta)).max() > 1e-3
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "two pieces"])
+def test_without_the_curl_constraint_the_field_is_smoother(name):
+    mesh = surface(name)
+    start = random_field(mesh, 0)
+    closed, free = (geodesic_field(start, smoothness=[0.1], curl_free=on) for on in (True, False))
+    assert_energy_never_rises(free)
+    assert free.energies[-1] < closed.energies[-1]
+    last = (free.field + free.delta).values
+    assert free.energies[-1] == pytest.approx(eq5_energy(mesh, free.field.values, last, 0.1), rel=1e-9)
 
 
 def test_many_handles_are_held_to_the_last_bit():

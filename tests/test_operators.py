@@ -147,3 +147,15 @@ def test_reduced_matrices_are_the_quadratic_forms(name):
     v = op.as_complex(fields.basis @ x)
     assert x @ (fields.mass @ x) == pytest.approx(mesh.face_areas @ np.abs(v) ** 2, rel=1e-10)
     assert x @ (fields.smoothness @ x) == pytest.approx(op.dirichlet_energy(mesh, v), rel=1e-10)
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "Schwarz-P"])
+def test_all_fields_carry_the_same_forms_without_a_basis(name):
+    mesh = surface(name)
+    fields = op.AllFields(mesh)
+    values = random_field(mesh, 4).values
+    x = op.as_real(values)
+    np.testing.assert_array_equal(fields.basis @ x, x)
+    np.testing.assert_array_equal(fields.basis_transposed @ x, x)
+    assert x @ fields.mass @ x == pytest.approx(mesh.face_areas.sum())
+    assert x @ fields.smoothness @ x == pytest.approx(op.dirichlet_energy(mesh, values))
