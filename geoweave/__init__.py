@@ -12,6 +12,7 @@ from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import DataError, FieldError, GeoweaveError, MeshError
 from geoweave.fields import FaceField, Handles, random_field, signed_curl, total_curl
 from geoweave.geodesic import GeodesicSolve, geodesic_field, sharpening_schedule
+from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
 from geoweave.prepare import read_mesh
 from geoweave.remesh import isotropic_remesh
@@ -35,6 +36,7 @@ __all__ = [
     "geodesic_curvature",
     "geodesic_field",
     "index_sum",
+    "isolines",
     "isotropic_remesh",
     "models",
     "random_field",

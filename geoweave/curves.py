@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -12,6 +12,7 @@ from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
 from geoweave.compiled import compiled
 from geoweave.errors import FieldError
 from geoweave.mesh import TriMesh
+from geoweave.part import Part
 
 WINDOW_EDGES = 4.0
 """Half-width of the window over which a turning angle is spread, in mean edge lengths."""
@@ -118,6 +119,19 @@ class Curves:
     def normals(self) -> Vectors:
         """(P, 3) unit normal of the face at each point."""
         return self.mesh.face_normals[self.faces]
+
+
+def lifted(curves: Curves, part: Part) -> Curves:
+    """Take curves drawn on a part of a surface to the whole surface: the same lines in the whole's faces.
+
+    Raises
+    ------
+    FieldError
+        If the curves lie on another mesh than the part's.
+    """
+    if curves.mesh is not part.mesh:
+        raise FieldError("the curves do not lie on the mesh of the part that is to be lifted from")
+    return replace(curves, mesh=part.whole, faces=part.faces[curves.faces])
 
 
 def geodesic_curvature(curves: Curves, window: float | None = None) -> Scalars:
