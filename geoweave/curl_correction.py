@@ -24,7 +24,7 @@ SMOOTHNESS: dict[Measure, float] = {"absolute": 1e-4, "relative": 1e-2}
 """Weight of the gradient of the scale: the paper's mu of Eq. 7, and what is best on the sphere of Fig. 13."""
 
 LEAST = 0.01
-"""Least value of a scale that is not positive by construction, as a share of its root mean square."""
+"""Least value of a scale that is not positive by construction, as a share of its mean."""
 
 
 @one_blas_thread()
@@ -46,13 +46,13 @@ def curl_corrected_scale(
     Parameters
     ----------
     field : unit field w on the surface, without singularities
-    measure : which curl to make small; where the absolute one leaves a scale below 1 % of its root mean
-        square, it is raised to that
+    measure : which curl to make small; where the absolute one leaves a scale below 1 % of its mean, it
+        is raised to that
     smoothness : weight of the gradient of the scale, a number; `SMOOTHNESS` if not given
 
     Returns
     -------
-    (F,) positive, root mean square 1 over each component
+    (F,) positive, area mean 1 on each component
 
     Raises
     ------
@@ -82,8 +82,8 @@ def curl_corrected_scale(
         at_vertices = np.exp(-_solved(matrix, along.T @ (mesh.face_areas * constant)))
     scale = at_vertices[mesh.faces].mean(axis=1)
     if measure == "absolute":
-        scale = np.maximum(scale, LEAST * _root_mean_square(mesh, scale))
-    return frozen(scale / _root_mean_square(mesh, scale))
+        scale = np.maximum(scale, LEAST * _mean(mesh, scale))
+    return frozen(scale / _mean(mesh, scale))
 
 
 def local_curl(field: FaceField) -> sparse.csr_array:
@@ -142,8 +142,8 @@ def _solved(matrix: sparse.csr_array, right: Scalars) -> Scalars:
     return factorized(held, nested_dissection(held)).solve(right)
 
 
-def _root_mean_square(mesh: TriMesh, values: Scalars) -> Scalars:
-    """(F,) root mean square of face values over the component of each face."""
+def _mean(mesh: TriMesh, values: Scalars) -> Scalars:
+    """(F,) area mean of face values over the component of each face."""
     component = mesh.face_components
-    area = np.bincount(component, mesh.face_areas)
-    return np.sqrt(np.bincount(component, mesh.face_areas * values**2) / area)[component]
+    total = np.bincount(component, mesh.face_areas * values)
+    return np.asarray((total / np.bincount(component, mesh.face_areas))[component])
