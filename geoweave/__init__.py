@@ -18,9 +18,11 @@ from geoweave.prepare import read_mesh
 from geoweave.remesh import isotropic_remesh
 from geoweave.rosy import diffused_field, smoothest_field
 from geoweave.singularities import circulation, index_sum, singular_vertices, vertex_indices
+from geoweave.straightest import Crossings, crossings, straightest
 from geoweave.tracing import streamlines
 
 __all__ = [
+    "Crossings",
     "Curves",
     "DataError",
     "FaceField",
@@ -31,6 +33,7 @@ __all__ = [
     "MeshError",
     "TriMesh",
     "circulation",
+    "crossings",
     "datasets",
     "diffused_field",
     "geodesic_curvature",
@@ -46,6 +49,7 @@ __all__ = [
     "signed_curl",
     "singular_vertices",
     "smoothest_field",
+    "straightest",
     "streamlines",
     "total_curl",
     "vertex_indices",

@@ -180,6 +180,31 @@ def around_vertex(g: Ground, face: int, k: int, sign: float) -> tuple[int, int, 
 
 
 @compiled
+def straight_through(g: Ground, face: int, c: int, way: complex) -> tuple[int, int, complex]:
+    """Go straight on through an interior vertex: half of the angle around it lies on either side.
+
+    The line arrives at corner c of a face in direction ``way``.
+
+    Returns
+    -------
+    face it enters, corner of that face at the vertex, direction there
+    """
+    out = g.sides[face, (c + 2) % 3]
+    # Counter-clockwise from the side that leaves the corner: to where the line came from, and half round.
+    ahead = np.angle(-way * out.conjugate()) + 0.5 * g.around[g.faces[face, c]]
+    while True:
+        out = g.sides[face, (c + 2) % 3]
+        sector = np.angle(-g.sides[face, (c + 1) % 3] * out.conjugate())
+        if ahead <= sector:
+            break
+        ahead -= sector
+        other = g.across[face, (c + 1) % 3]
+        face, c = other // 3, (other % 3 + 1) % 3
+    onward: complex = out / abs(out) * complex(np.cos(ahead), np.sin(ahead))
+    return face, c, onward
+
+
+@compiled
 def straight_walk(
     g: Ground, face: int, place: complex, way: complex, length: float
 ) -> tuple[int, complex, bool]:

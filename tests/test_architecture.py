@@ -37,7 +37,7 @@ LAYERS = (
     ("operators and fields", {"circle", "fields", "operators", "part"}),
     ("geodesic fields", {"geodesic", "reference", "rosy", "singularities"}),
     ("integration", {"alignment", "curl_correction", "integration", "mixed_integer", "rescaling"}),
-    ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "tracing"}),
+    ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
     ("models of the figures", {"models"}),
     ("the artifact", {"doctor", "execution", "notebooks", "progress", "runner"}),
     ("the command", {"__main__", "cli"}),

@@ -1,0 +1,269 @@
+"""Straightest geodesics on planes, spheres, helices and corners; crossings against all pairs of segments."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from geoweave import shapes
+from geoweave.circle import TURN, CircleFunction
+from geoweave.curves import Curves, geodesic_curvature
+from geoweave.errors import FieldError
+from geoweave.isolines import isolines
+from geoweave.mesh import TriMesh
+from geoweave.straightest import crossings, straightest
+from tests.surfaces import surface
+
+BOX = trimesh.creation.box()
+
+
+@pytest.fixture(scope="module")
+def uneven() -> TriMesh:
+    """A flat square of uneven triangles."""
+    flat = shapes.square(faces=800)
+    inner = ~flat.boundary_vertices[:, None]
+    shake = np.random.default_rng(2).uniform(-0.03, 0.03, flat.vertices.shape) * [1, 1, 0]
+    return TriMesh(flat.vertices + inner * shake, flat.faces)
+
+
+def scattered(mesh: TriMesh, count: int, length: float, seed: int = 0, behind: float = 0.0) -> Curves:
+    rng = np.random.default_rng(seed)
+    faces, directions = rng.integers(mesh.n_faces, size=count), rng.normal(size=(count, 3))
+    return straightest(mesh, faces, directions, length, behind=behind)
+
+
+def ends(curves: Curves) -> np.ndarray:
+    return curves.points[curves.offsets[1:] - 1]
+
+
+def test_in_a_plane_they_are_straight(uneven):
+    rng = np.random.default_rng(1)
+    faces = rng.integers(uneven.n_faces, size=60)
+    heading = np.insert(rng.normal(size=(60, 2)), 2, rng.normal(size=60), axis=1)
+    curves = straightest(uneven, faces, heading, 0.5, behind=0.3)
+    flat = heading * [1, 1, 0] / np.linalg.norm(heading[:, :2], axis=1, keepdims=True)
+    start = uneven.barycenters[faces]
+    off = np.cross(curves.points - start[curves.curve_of_point], flat[curves.curve_of_point])
+    assert np.abs(off).max() < 1e-7  # passing within 1e-9 of a vertex moves a point aside
+    whole = np.isclose(curves.lengths, 0.8)
+    assert whole.mean() > 0.3
+    np.testing.assert_allclose(ends(curves)[whole], (start + 0.5 * flat)[whole], atol=1e-7)
+    np.testing.assert_allclose(
+        curves.points[curves.offsets[:-1]][whole], (start - 0.3 * flat)[whole], atol=1e-7
+    )
+    # the others end at the boundary
+    tips = np.abs(np.concatenate([curves.points[curves.offsets[:-1]], ends(curves)])[:, :2]).max(axis=1)
+    assert np.isclose(tips.reshape(2, -1).max(axis=0)[~whole], 1.0).all()
+
+
+def test_segments_lie_in_their_faces():
+    for name in ("jagged sphere", "genus 5", "disk", "two pieces"):
+        mesh = surface(name)
+        curves = scattered(mesh, 40, 2.0, behind=1.0)
+        for points in (curves.points, curves.points[curves.following]):
+            off = np.einsum("px,px->p", points - mesh.barycenters[curves.faces], curves.normals)
+            assert np.abs(off).max() < 1e-9
+        assert (curves.segment_lengths > 0).sum() == len(curves.points) - len(curves)
+        assert np.abs(geodesic_curvature(curves)).max() == 0.0
+
+
+def test_great_circles_of_a_sphere_converge():
+    errors = []
+    for faces in (1280, 5120, 20480):
+        ball = shapes.sphere(faces=faces)
+        rng = np.random.default_rng(4)
+        start, heading = rng.integers(ball.n_faces, size=100), rng.normal(size=(100, 3))
+        curves = straightest(ball, start, heading, np.pi)
+        pole = np.cross(
+            ball.barycenters[start], ball.ambient(ball.planar(np.zeros((ball.n_faces, 3))))[start] + heading
+        )
+        pole /= np.linalg.norm(pole, axis=1, keepdims=True)
+        off = np.einsum("px,px->p", curves.points, pole[curves.curve_of_point])
+        errors.append(np.sqrt(np.mean(off**2)))
+    assert errors[0] < 0.03
+    assert errors[1] < errors[0] / 2
+    assert errors[2] < errors[1] / 2
+
+
+def test_helices_of_a_cylinder():
+    mesh = shapes.cylinder(1.0, 4.0, faces=8000)
+    start = np.argsort(mesh.barycenters[:, 2])[len(mesh.faces) // 2 - 20 :: 40][:8]
+    around = np.cross([0, 0, 1.0], mesh.barycenters[start])
+    around /= np.linalg.norm(around, axis=1, keepdims=True)
+    curves = straightest(mesh, start, around + 0.2 * np.array([0, 0, 1.0]), 6.0)
+    for curve in curves:
+        angle = np.unwrap(np.arctan2(curve.points[:, 1], curve.points[:, 0]))
+        slope, height = np.polyfit(angle, curve.points[:, 2], 1)
+        assert slope == pytest.approx(0.2, rel=5e-3)
+        # within a face the angle is not linear along a straight line
+        assert np.abs(curve.points[:, 2] - slope * angle - height).max() < 2e-3
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_equators_of_a_torus_run_through_vertices(side):
+    mesh = shapes.torus(1.0, 0.4, faces=2000)
+    radius = 1.0 + 0.4 * side
+    level = np.isclose(mesh.vertices[:, 2], 0) & np.isclose(
+        np.linalg.norm(mesh.vertices, axis=1), radius, rtol=0.02
+    )
+    corner_count = level[mesh.faces].sum(axis=1)
+    face = int(np.flatnonzero(corner_count == 2)[0])
+    a, b = mesh.vertices[mesh.faces[face][level[mesh.faces[face]]]]
+    whole = level.sum() * np.linalg.norm(b - a)
+    # from the middle of an edge once round, equal angles at every vertex: by mirror symmetry it closes
+    curves = straightest(mesh, [face], [b - a], whole, points=[0.5 * (a + b)])
+    assert np.abs(curves.points[:, 2]).max() < 1e-9
+    np.testing.assert_allclose(curves.points[-1], 0.5 * (a + b), atol=1e-9)
+    assert len(curves.points) in (level.sum() + 1, level.sum() + 2)
+
+
+@pytest.mark.parametrize(
+    "mesh",
+    [shapes.icosahedron(), TriMesh(BOX.vertices, BOX.faces), surface("genus 5")],
+    ids=["icosahedron", "cube", "genus 5"],
+)
+def test_a_corner_is_passed_with_equal_angles(mesh):
+    """Of the total angle T around the corner, T / 2 lies on either side, summed face by face."""
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        face, k = int(rng.integers(mesh.n_faces)), int(rng.integers(3))
+        vertex = mesh.faces[face, k]
+        weights = rng.uniform(0.2, 1.0, 3)
+        start = weights @ mesh.vertices[mesh.faces[face]] / weights.sum()
+        way = mesh.vertices[vertex] - start
+        curves = straightest(mesh, [face], [way], np.linalg.norm(way) + 0.1 * mesh.mean_edge, points=[start])
+        assert len(curves.points) == 3
+        np.testing.assert_allclose(curves.points[1], mesh.vertices[vertex], atol=1e-12)
+        left, right = angles_beside(mesh, vertex, curves.faces[:2], curves.points)
+        assert left == pytest.approx(right, abs=1e-9)
+        assert left + right == pytest.approx(TURN - mesh.angle_defects[vertex])
+
+
+def angles_beside(mesh, vertex, faces, points) -> tuple[float, float]:
+    """Angles between the ways back and onward round a vertex, to the left and to the right of the line."""
+
+    def corner(face: int) -> int:
+        return int(np.flatnonzero(mesh.faces[face] == vertex)[0])
+
+    def from_first_side(face: int, point: np.ndarray) -> float:
+        side = mesh.vertices[mesh.faces[face, (corner(face) + 1) % 3]] - mesh.vertices[vertex]
+        ray = point - mesh.vertices[vertex]
+        return float(np.arccos(side @ ray / np.linalg.norm(side) / np.linalg.norm(ray)))
+
+    # Counter-clockwise from the way back, which is to the right of a line that goes on.
+    right, face = -from_first_side(faces[0], points[0]), int(faces[0])
+    while face != faces[1]:
+        right += mesh.corner_angles[face, corner(face)]
+        face = int(mesh.face_neighbors[face, (corner(face) + 1) % 3])
+    right += from_first_side(face, points[2])
+    return TURN - mesh.angle_defects[vertex] - right, right
+
+
+def test_what_cannot_be_traced_is_refused():
+    mesh = surface("disk")
+    up, along = [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]]
+    with pytest.raises(FieldError, match="no part in the plane"):
+        straightest(mesh, [0], up, 1.0)
+    with pytest.raises(FieldError, match="outside 0"):
+        straightest(mesh, [mesh.n_faces], along, 1.0)
+    with pytest.raises(FieldError, match="need shape"):
+        straightest(mesh, [0, 1], along, 1.0)
+    with pytest.raises(FieldError, match="must be positive"):
+        straightest(mesh, [0], along, 0.0)
+    with pytest.raises(FieldError, match="not in its face"):
+        straightest(mesh, [0], along, 1.0, points=mesh.barycenters[[5]])
+    rim = int(mesh.boundary_edges[0])
+    face, middle = mesh.edge_faces[rim, 0], mesh.vertices[mesh.edges[rim]].mean(axis=0)
+    with pytest.raises(FieldError, match="heads outwards"):
+        straightest(mesh, [face], [middle], 1.0, points=[middle])
+
+
+# -- crossings ------------------------------------------------------------------------------------------
+
+
+def test_all_crossings_of_lines_in_a_plane(uneven):
+    curves = scattered(uneven, 60, 1.0, seed=3, behind=0.4)
+    found = crossings(curves)
+    a, b = curves.points[curves.offsets[:-1], :2], ends(curves)[:, :2]
+    expected = []
+    for i in range(60):
+        for j in range(i + 1, 60):
+            s, t = np.linalg.solve(np.stack([b[i] - a[i], a[j] - b[j]], axis=1), a[j] - a[i])
+            if 0 < s < 1 and 0 < t < 1:
+                turn = np.cross(np.append(b[i] - a[i], 0), np.append(b[j] - a[j], 0))[2]
+                expected.append(
+                    (i, j, s * np.linalg.norm(b[i] - a[i]), t * np.linalg.norm(b[j] - a[j]), turn)
+                )
+    assert len(expected) > 200
+    listed = sorted(zip(*found.curves.T, *found.arclength.T, found.angle, strict=True))
+    assert [each[:2] for each in listed] == [each[:2] for each in expected]
+    np.testing.assert_allclose([each[2:4] for each in listed], [each[2:4] for each in expected], atol=1e-6)
+    assert np.array_equal(np.sign([each[4] for each in listed]), np.sign([each[4] for each in expected]))
+    direction = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
+    cosine = np.einsum("nx,nx->n", direction[found.curves[:, 0]], direction[found.curves[:, 1]])
+    np.testing.assert_allclose(np.cos(found.angle), cosine, atol=1e-6)
+    np.testing.assert_allclose(
+        found.points[:, :2],
+        a[found.curves[:, 0]] + found.arclength[:, :1] * direction[found.curves[:, 0]],
+        atol=1e-6,
+    )
+
+
+def test_crossings_on_an_edge_count_once():
+    mesh = shapes.square(faces=800)  # edges on the lines x = 0.1 k
+    near = [
+        int(np.argmin(np.linalg.norm(mesh.barycenters - [x, y, 0], axis=1))) for x, y in ((0, 0), (0, 0.1))
+    ]
+    way = np.array([0.1, 0.043, 0.0]) - mesh.barycenters[near]
+    curves = straightest(mesh, near, way, 0.3)
+    found = crossings(curves)
+    assert len(found) == 1
+    np.testing.assert_allclose(found.points[0], [0.1, 0.043, 0.0], atol=1e-12)
+    np.testing.assert_allclose(found.arclength[0], np.linalg.norm(way, axis=1), atol=1e-12)
+
+
+def test_a_geodesic_of_a_torus_crosses_itself():
+    mesh = shapes.torus(1.0, 0.4, faces=6000)
+    curves = straightest(mesh, [0], [[0.3, 1.0, 1.0]], 30.0)
+    found = crossings(curves)
+    assert len(found) > 5
+    assert (found.curves == 0).all()
+    assert (found.arclength[:, 0] < found.arclength[:, 1]).all()
+    assert (np.diff(found.arclength[:, 0]) >= 0).all()
+    # the same place from either arc length
+    for k in (0, 1):
+        share = (found.arclength[:, k] - curves.arclength[found.segments[:, k]]) / curves.segment_lengths[
+            found.segments[:, k]
+        ]
+        place = curves.points[found.segments[:, k]] + share[:, None] * curves.segments[found.segments[:, k]]
+        np.testing.assert_allclose(place, found.points, atol=1e-9)
+
+
+def test_great_circles_cross_twice():
+    ball = shapes.sphere(faces=20480)
+    curves = scattered(ball, 80, TURN - 0.3, seed=8)
+    count = np.zeros((80, 80), dtype=int)
+    other = crossings(curves).curves
+    other = other[other[:, 0] != other[:, 1]]
+    np.add.at(count, tuple(other.T), 1)
+    upper = count[np.triu_indices(80, 1)]
+    # a gap of 0.3 each hides about a tenth of the crossings; facets add hardly any
+    assert upper.mean() == pytest.approx(2 * (1 - 0.3 / TURN) ** 2, abs=0.05)
+    assert upper.max() <= 3
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "genus 5", "disk"])
+def test_level_sets_never_cross_not_even_in_dislocated_faces(name):
+    mesh = surface(name)
+    rng = np.random.default_rng(9)
+    theta, change = rng.uniform(0, TURN, mesh.n_vertices), rng.normal(0, 12.0, mesh.n_edges)
+    circle = CircleFunction.nearest(mesh, theta, change)
+    assert circle.dislocated.mean() > 0.3
+    assert len(crossings(isolines(circle, (1.0,)))) == 0
+
+
+def test_nothing_crosses_where_there_is_nothing():
+    mesh = surface("disk")
+    none = isolines(CircleFunction(mesh, np.zeros(mesh.n_vertices), np.zeros(mesh.n_edges)))
+    assert len(crossings(none)) == 0
