@@ -28,12 +28,18 @@ from geoweave.viz.gallery import (
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
 from geoweave.viz.scene import Scene, View
+from geoweave.viz.vectors import FROM_ABOVE, Arrows, Lines, Note, Plate, face_arrows, heat_scale, plates
 
 __all__ = [
+    "FROM_ABOVE",
     "VIEWS",
+    "Arrows",
     "Drop",
+    "Lines",
+    "Note",
     "Panel",
     "Picture",
+    "Plate",
     "Scale",
     "Scene",
     "View",
@@ -41,7 +47,10 @@ __all__ = [
     "curl_scale",
     "curvature_scale",
     "drop_chart",
+    "face_arrows",
+    "heat_scale",
     "mesh_digest",
+    "plates",
     "portrait",
     "provenance",
     "publish",

@@ -30,6 +30,8 @@ SOURCE = "#b8402f"
 """Singularities of positive index."""
 SADDLE = "#2f6690"
 """Singularities of negative index."""
+FIELD_LINES, LEVEL_LINES = "#4aa3f0", "#c86bfa"
+"""Streamlines of a field and level sets of theta, bright enough for dark and light ground (Fig. 15)."""
 FAMILIES = ("#3f7d8c", "#d9a441", "#a8516a")
 """Teal, ochre, mallow: three calm hues for the three families of a weave."""
 
@@ -86,6 +88,18 @@ def diverging() -> LinearSegmentedColormap:
     below = _uniform("below", ["#1f4e79", "#7ba0bf", SURFACE])(np.linspace(0, 1, 128))
     above = _uniform("above", [SURFACE, "#d98b6a", "#8f2a20"])(np.linspace(0, 1, 128))
     return LinearSegmentedColormap.from_list("geoweave-signed", np.vstack([below, above[1:]]), N=255)
+
+
+@cache
+def heat() -> LinearSegmentedColormap:
+    """Map of magnitudes that should stand out from a pale surface: its colour (0) over sand to rust (1)."""
+    return _uniform("geoweave-pale-heat", [SURFACE, "#efcb95", "#df8f4c", "#b2432a"])
+
+
+@cache
+def shade() -> LinearSegmentedColormap:
+    """Map of deviations from what is wanted: near black (0) over slate and sand to almost white (1)."""
+    return _uniform("geoweave-shade", ["#1b1e24", "#4c515b", "#b7ab97", "#fbf6ea"])
 
 
 def _uniform(name: str, stops: Sequence[str]) -> LinearSegmentedColormap:
