@@ -48,7 +48,9 @@ def machines() -> list[dict[str, str]]:
 
 def test_conda_has_the_bounds_of_pyproject() -> None:
     conda = {}
-    for line in CONDA["dependencies"]:
+    packages = [line for line in CONDA["dependencies"] if isinstance(line, str)]
+    by_pip = next(entry["pip"] for entry in CONDA["dependencies"] if isinstance(entry, dict))
+    for line in [*packages, *by_pip]:
         requirement = Requirement(line)
         conda[canonicalize_name(requirement.name)] = str(requirement.specifier)
     assert conda.pop("python") == PROJECT["requires-python"]

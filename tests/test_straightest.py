@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import potpourri3d
 import pytest
 import trimesh
 
@@ -66,6 +67,21 @@ def test_segments_lie_in_their_faces():
             assert np.abs(off).max() < 1e-9
         assert (curves.segment_lengths > 0).sum() == len(curves.points) - len(curves)
         assert np.abs(geodesic_curvature(curves)).max() == 0.0
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "torus", "genus 5", "Schwarz-P", "disk"])
+def test_they_are_those_of_a_library(name):
+    mesh = surface(name)
+    rng = np.random.default_rng(0)
+    faces, heading = rng.integers(mesh.n_faces, size=40), rng.normal(size=(40, 3))
+    normal = mesh.face_normals[faces]
+    heading -= np.einsum("nx,nx->n", heading, normal)[:, None] * normal
+    heading /= np.linalg.norm(heading, axis=1, keepdims=True)
+    curves = straightest(mesh, faces, heading, 2.0)
+    tracer = potpourri3d.GeodesicTracer(mesh.vertices, mesh.faces)
+    for curve, face, way in zip(curves, faces, heading, strict=True):
+        path = tracer.trace_geodesic_from_face(int(face), np.full(3, 1 / 3), 2.0 * way)
+        np.testing.assert_allclose(curve.points, path, atol=1e-9)
 
 
 def test_great_circles_of_a_sphere_converge():
