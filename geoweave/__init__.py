@@ -8,10 +8,12 @@ which is imported only when asked for.
 from __future__ import annotations
 
 from geoweave import datasets, models, shapes
+from geoweave.circle import CircleFunction
 from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import DataError, FieldError, GeoweaveError, MeshError
 from geoweave.fields import FaceField, Handles, random_field, signed_curl, total_curl
 from geoweave.geodesic import GeodesicSolve, geodesic_field, sharpening_schedule
+from geoweave.integration import Foliation, foliate
 from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
 from geoweave.prepare import read_mesh
@@ -22,11 +24,13 @@ from geoweave.straightest import Crossings, crossings, straightest
 from geoweave.tracing import streamlines
 
 __all__ = [
+    "CircleFunction",
     "Crossings",
     "Curves",
     "DataError",
     "FaceField",
     "FieldError",
+    "Foliation",
     "GeodesicSolve",
     "GeoweaveError",
     "Handles",
@@ -36,6 +40,7 @@ __all__ = [
     "crossings",
     "datasets",
     "diffused_field",
+    "foliate",
     "geodesic_curvature",
     "geodesic_field",
     "index_sum",

@@ -26,24 +26,34 @@ SHARPENING_START = 0.02
 SHARPENING_END = 5e-3
 """Last smoothness of the default schedule, in squared mean edge lengths."""
 
+INTEGRABLE_END = 4.0
+"""Last smoothness, in squared mean edge lengths, of a field that is to be integrated (`foliate`)."""
 
 PROBING_STEPS = 10
 """Steps from each rotation of the initial field before the most promising one is chosen."""
 
 
-def sharpening_schedule(mesh: TriMesh, levels: int = 3) -> tuple[float, ...]:
+def sharpening_schedule(mesh: TriMesh, levels: int = 3, finest: float = SHARPENING_END) -> tuple[float, ...]:
     """Smoothness weights from coarse to fine, a geometric sequence ("sharpening", Section 4.1.2).
 
     From 0.02 R^2, R the bounding radius, to 0.005 h^2, h the mean edge length: first the field settles as
     a whole, then its curl gathers on points and lines. The values were chosen by measurement
     (DEVIATIONS.md, sharpening).
 
+    Parameters
+    ----------
+    mesh : the surface
+    levels : number of weights
+    finest : the last weight, in h^2. `INTEGRABLE_END`, a smoothing length of two edges, suits a field that is
+        to be integrated: it leaves no domain walls, across which no theta is smooth (DEVIATIONS.md,
+        integrable-field)
+
     Returns
     -------
     (levels,) lambda, unit length^2
     """
     radius = mesh.bounding_radius
-    first, last = SHARPENING_START * radius**2, SHARPENING_END * mesh.mean_edge**2
+    first, last = SHARPENING_START * radius**2, finest * mesh.mean_edge**2
     return tuple(float(value) for value in np.geomspace(max(first, last), last, levels))
 
 

@@ -1,0 +1,381 @@
+"""From a field to a circle-valued function whose level sets follow it (Section 4.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy import sparse
+
+from geoweave.alignment import Alignment, alignment
+from geoweave.arrays import Complexes, Indices, Scalars, frozen
+from geoweave.circle import CircleFunction, wrapped
+from geoweave.errors import FieldError
+from geoweave.fields import FaceField
+from geoweave.linalg import Ordering, factorized, nested_dissection, one_blas_thread
+from geoweave.mesh import TriMesh
+from geoweave.operators import face_laplacian
+from geoweave.part import Part, part_of
+from geoweave.rescaling import Method, component_means, integrating_factor, perpendicular
+from geoweave.singularities import vertex_indices
+
+Weighting: TypeAlias = Literal["relative", "uniform"]
+"""Whether Eq. 8 is measured in units of the first s, or as the paper prints it (DEVIATIONS.md, weighting)."""
+
+SMOOTHNESS = 1e-4
+"""mu of Eq. 8 for a surface of bounding radius 1."""
+
+QUANTILE = 0.95
+"""Share of the edges on which theta turns by no more than half a turn at scale 1; the paper's is 1."""
+
+EIGENVALUE_TOLERANCE = 1e-4
+"""Relative change of the smallest eigenvalue at which inverse iteration ends."""
+
+LEAST_COTANGENT = 0.02
+"""Floor of the cotangent weights: half the cotangent of an angle of 88 degrees."""
+
+FLOOR = 0.05
+"""s stays above this share of its first value."""
+
+
+@dataclass(frozen=True, eq=False)
+class Foliation:
+    """A geodesic almost-foliation: the field, its integrating factor and the function theta (Section 4.2.5).
+
+    Attributes
+    ----------
+    field : the unit field w on the surface without its singular vertices
+    part : that surface as a part of the one given
+    s : (F',) integrating factor, positive, radians / length: ``grad theta ~ s w-perp``
+    circle : theta on the vertices of the part, and its change along each edge
+    energies : Eq. 8 at the start and after each alternation, in the unit that `foliate` says
+    theta_changes, s_changes : change in each alternation, root mean square over the area: radians, and as a
+        share of s
+    """
+
+    field: FaceField
+    part: Part
+    s: Scalars
+    circle: CircleFunction
+    energies: tuple[float, ...]
+    theta_changes: tuple[float, ...]
+    s_changes: tuple[float, ...]
+
+    @property
+    def alignment(self) -> Alignment:
+        """How far level sets and field disagree, how evenly they are spaced, and the dislocations."""
+        return alignment(self.field, self.circle)
+
+    @property
+    def s_min(self) -> float:
+        """Smallest s as a share of its area mean."""
+        areas = self.part.mesh.face_areas
+        return float(self.s.min() / np.average(self.s, weights=areas))
+
+
+def punctured(field: FaceField) -> tuple[FaceField, Part]:
+    """Remove every singular vertex of a field together with the faces round it (Section 4.2.2).
+
+    Returns
+    -------
+    field, part : the unit field on what is left, and what is left as a part of the surface
+
+    Raises
+    ------
+    MeshError
+        If every face touches a singular vertex.
+    """
+    mesh = field.mesh
+    singular = vertex_indices(field) != 0
+    part = part_of(mesh, ~singular[mesh.faces].any(axis=1))
+    return FaceField(part.mesh, field.normalized().values[part.faces]), part
+
+
+def global_scale(field: FaceField, s: Scalars, quantile: float = 1.0) -> float:
+    """Find the factor pi / rho that keeps theta from turning too fast for the mesh (footnote 4).
+
+    The paper's ``rho = max over edges |s_i w-perp_i . e_ij|`` allows half a turn on any edge. Here rho is a
+    quantile of the same numbers: a change along an edge is stored with its full turns and cannot alias, and
+    one edge near a singularity need not coarsen the whole surface (DEVIATIONS.md, global-scale).
+
+    Parameters
+    ----------
+    field : the field w
+    s : (F,) factors, of any scale
+    quantile : share of edges with at most half a turn, in (0, 1]; 1 is the paper's maximum
+
+    Raises
+    ------
+    FieldError
+        If the quantile is out of range.
+    """
+    if not 0 < quantile <= 1:
+        raise FieldError(f"the quantile of the global scale must be a share in (0, 1], not {quantile}")
+    turn = np.abs(s[:, None] * _along(field))
+    return float(np.pi / np.quantile(turn, quantile))
+
+
+def foliate(
+    field: FaceField,
+    *,
+    scale: float = 1.0,
+    rescaling: Method | Scalars | None = "logarithm",
+    weighting: Weighting = "relative",
+    quantile: float = QUANTILE,
+    alternations: int = 10,
+    hold_s: bool = False,
+    smoothness: float = SMOOTHNESS,
+    seed: int = 0,
+    callback: Callable[[int, float], None] | None = None,
+) -> Foliation:
+    """Integrate a field to a circle-valued function whose level sets follow it (steps 2 to 5 of 4.2.5).
+
+    Puncture, find a first s, scale it, then alternate between theta (smallest eigenvector of a Hermitian
+    matrix, one Newton step on Eq. 8) and s (one Gauss-Newton step, s kept positive), minimising
+
+        sum_i sum_ab  c_ab / shat_i^2 (1 - cos(theta_b - theta_a - s_i w-perp_i . e_ab))
+                      + mu/2 |grad(s / shat)|^2
+
+    over the faces i and their edges ab, c half the cotangent of the corner opposite.
+
+    With ``weighting="uniform"`` shat is the mean of the first s on each component: Eq. 8 of the paper, but
+    for a constant. With "relative" it is the first s itself, so that a disagreement counts by its angle, as
+    much where level sets lie far apart as where they are dense (DEVIATIONS.md, weighting).
+
+    Parameters
+    ----------
+    field : the field w; the lengths of its vectors do not matter. One that was sharpened no further than
+        ``sharpening_schedule(mesh, finest=INTEGRABLE_END)`` has no domain walls and integrates best
+    scale : the user's factor on the frequency of theta, after the automatic one
+    rescaling : how the first s is found (`integrating_factor`); a positive factor per face of the punctured
+        surface (F',) or of the whole one (F,); None for s = 1
+    weighting, quantile : see above and `global_scale`
+    alternations : how often theta and s are updated
+    hold_s : keep the first s and find theta alone (periodic global parameterisation without correction)
+    smoothness : mu of Eq. 8, in squared bounding radii
+    seed : start of the first eigenvector iteration
+    callback : called with the number of each alternation and its energy
+
+    Raises
+    ------
+    FieldError
+        If a parameter is out of range.
+    MeshError
+        If every face touches a singular vertex.
+    """
+    if not (np.isfinite(scale) and scale > 0):
+        raise FieldError(f"the scale of a foliation must be a positive number, not {scale}")
+    if alternations < 1:
+        raise FieldError(f"a foliation needs one alternation or more, not {alternations}")
+    if weighting not in ("relative", "uniform"):
+        raise FieldError(f"there is no weighting '{weighting}': relative or uniform")
+    w, part = punctured(field)
+    first = _first_factor(w, part, rescaling)
+    s = scale * global_scale(w, first, quantile) * first
+    unit = s if weighting == "relative" else component_means(w.mesh, s)[w.mesh.face_components]
+    with one_blas_thread():
+        problem = _Alternation(w, unit, smoothness * field.mesh.bounding_radius**2)
+        z = problem.start(seed)
+        energies: list[float] = []
+        theta_changes, s_changes = [], []
+        z, theta = problem.update_theta(z, None, s)
+        energies.append(problem.energy(theta, s))
+        for number in range(1, alternations + 1):
+            old_theta, old_s = theta, s
+            if not hold_s:
+                s = problem.update_s(theta, s)
+            z, theta = problem.update_theta(z, theta, s)
+            energies.append(problem.energy(theta, s))
+            theta_changes.append(problem.theta_change(old_theta, theta))
+            s_changes.append(float(np.sqrt(np.average((s / old_s - 1.0) ** 2, weights=w.mesh.face_areas))))
+            if callback is not None:
+                callback(number, energies[-1])
+    circle = CircleFunction.nearest(w.mesh, theta, edge_prediction(w, s))
+    return Foliation(w, part, frozen(s), circle, tuple(energies), tuple(theta_changes), tuple(s_changes))
+
+
+def _first_factor(w: FaceField, part: Part, rescaling: Method | Scalars | None) -> Scalars:
+    if rescaling is None:
+        return np.ones(w.mesh.n_faces)
+    if isinstance(rescaling, str):
+        s = integrating_factor(w, method=rescaling).s
+        # Eq. 7 may come out with faces of the wrong sign; theta needs a positive factor everywhere.
+        return np.maximum(s, FLOOR * float(np.median(s)))
+    s = np.asarray(rescaling, dtype=np.float64)
+    if s.shape == (part.whole.n_faces,):
+        s = s[part.faces]
+    if s.shape != (w.mesh.n_faces,) or not (np.isfinite(s) & (s > 0)).all():
+        raise FieldError(
+            f"a first integrating factor needs one positive number for each of the {w.mesh.n_faces} faces "
+            "of the punctured surface"
+        )
+    return s
+
+
+def edge_prediction(field: FaceField, s: Scalars) -> Scalars:
+    """(E,) change of theta expected along each edge, ``s w-perp . e``, the mean of its faces', radians."""
+    mesh = field.mesh
+    turn = s[:, None] * _along(field) * mesh.face_edge_signs
+    total = np.bincount(mesh.face_edges.ravel(), turn.ravel(), mesh.n_edges)
+    return np.asarray(total / np.bincount(mesh.face_edges.ravel(), minlength=mesh.n_edges))
+
+
+def _along(field: FaceField) -> Scalars:
+    """(F, 3) ``w-perp . e`` on the half-edge opposite each corner."""
+    return np.asarray((perpendicular(field).conj()[:, None] * field.mesh.halfedge_vectors).real)
+
+
+def _cotangents(mesh: TriMesh) -> Scalars:
+    """(F, 3) half the cotangent of each corner, the weight of the half-edge opposite, kept positive."""
+    h = mesh.halfedge_vectors
+    at_corner = -(h[:, [1, 2, 0]].conj() * h[:, [2, 0, 1]]).real
+    return np.maximum(at_corner / (4.0 * mesh.face_areas[:, None]), LEAST_COTANGENT)
+
+
+class _Alternation:
+    """The two steps of Eq. 8 on one surface, with what they share: weights, orderings, the masses."""
+
+    def __init__(self, field: FaceField, unit: Scalars, smoothness: float) -> None:
+        mesh = field.mesh
+        self.mesh, self.unit, self.smoothness = mesh, unit, smoothness
+        self.along = _along(field)
+        self.weight = _cotangents(mesh) / unit[:, None] ** 2
+        self.tail, self.head = mesh.faces[:, [1, 2, 0]].ravel(), mesh.faces[:, [2, 0, 1]].ravel()
+        mass = np.repeat(mesh.face_areas / unit**2, 3) / 3.0
+        self.mass = np.bincount(mesh.faces.ravel(), mass, mesh.n_vertices)
+        self.component = mesh.vertex_components
+        self.laplacian = face_laplacian(mesh)
+        self.face_ordering = nested_dissection(self.laplacian)
+        self.vertex_ordering: Ordering | None = None
+
+    def start(self, seed: int) -> Complexes:
+        noise = np.random.default_rng(seed).normal(size=(2, self.mesh.n_vertices))
+        return np.asarray(noise[0] + 1j * noise[1])
+
+    def residual(self, theta: Scalars, s: Scalars) -> Scalars:
+        """(F, 3) ``theta_b - theta_a - s_i w-perp_i . e_ab``, radians, any representative."""
+        return (theta[self.head] - theta[self.tail]).reshape(-1, 3) - s[:, None] * self.along
+
+    def energy(self, theta: Scalars, s: Scalars) -> float:
+        share = s / self.unit
+        smooth = 0.5 * self.smoothness * share @ (self.laplacian @ share)
+        return float((self.weight * (1.0 - np.cos(self.residual(theta, s)))).sum() + smooth)
+
+    def theta_change(self, before: Scalars, after: Scalars) -> float:
+        """Root mean square change of theta, after the best constant on each component."""
+        turn = np.exp(1j * (after - before)) * self.mass
+        mean = np.bincount(self.component, turn.real) + 1j * np.bincount(self.component, turn.imag)
+        left = wrapped(after - before - np.angle(mean)[self.component])
+        return float(np.sqrt(np.average(left**2, weights=self.mass)))
+
+    def _assembled(self, weight: Scalars, entries: Complexes | Scalars) -> sparse.csr_array:
+        """``sum weight |z_b - turn z_a|^2`` as a Hermitian matrix, ``entries = weight turn``."""
+        n = self.mesh.n_vertices
+        off = sparse.coo_array((-entries, (self.head, self.tail)), shape=(n, n)).tocsr()
+        diagonal = np.bincount(self.head, weight, n) + np.bincount(self.tail, weight, n)
+        # A constant is in the kernel of the real matrix, and nearly in that of the Hermitian one.
+        shift = 1e-7 * float(diagonal.mean()) * self.mass / float(self.mass.mean())
+        return sparse.csr_array(off + off.conj().T + sparse.diags_array(diagonal + shift))
+
+    def update_theta(self, z: Complexes, theta: Scalars | None, s: Scalars) -> tuple[Complexes, Scalars]:
+        """Take the eigenvector of s if it lowers the energy, then a Newton step on Eq. 8."""
+        weight = self.weight.ravel()
+        turn = weight * np.exp(1j * (s[:, None] * self.along).ravel())
+        matrix = self._assembled(weight, turn)
+        self.vertex_ordering = self.vertex_ordering or nested_dissection(matrix)
+        factors = factorized(matrix, self.vertex_ordering)
+        quotient = np.inf
+        for _ in range(60):
+            z = factors.solve(self.mass * z)
+            z /= self._norms(z)[self.component]
+            last, quotient = quotient, _rayleigh(z, matrix)
+            if last - quotient < EIGENVALUE_TOLERANCE * quotient:
+                break
+        found = np.angle(z)
+        if theta is None or self.energy(found, s) < self.energy(theta, s):
+            theta = found
+        return z, self._newton(theta, s)
+
+    def _norms(self, z: Complexes) -> Scalars:
+        return np.sqrt(np.bincount(self.component, self.mass * np.abs(z) ** 2))
+
+    def _newton(self, theta: Scalars, s: Scalars) -> Scalars:
+        """Lower Eq. 8 in theta alone: its convex part as the matrix, the step halved until it helps."""
+        residual = self.residual(theta, s).ravel()
+        weight = self.weight.ravel()
+        convex = weight * np.maximum(np.cos(residual), 0.1)
+        pull = weight * np.sin(residual)
+        n = self.mesh.n_vertices
+        downhill = np.asarray(np.bincount(self.tail, pull, n) - np.bincount(self.head, pull, n), np.float64)
+        assert self.vertex_ordering is not None
+        step = factorized(self._assembled(convex, convex), self.vertex_ordering).solve(downhill)
+        return _lowered(lambda length: self.energy(theta + length * step, s), theta, step)
+
+    def update_s(self, theta: Scalars, s: Scalars) -> Scalars:
+        """One Gauss-Newton step of Eq. 8 in s, which stays above a share of its first value."""
+        share, slope = s / self.unit, self.unit[:, None] * self.along
+        stiffness = (self.weight * slope**2).sum(axis=1)
+        pull = (self.weight * slope * np.sin(self.residual(theta, s))).sum(axis=1)
+        matrix = sparse.csr_array(sparse.diags_array(stiffness) + self.smoothness * self.laplacian)
+        # The quadratic model 1/2 r' K r - (K share + gradient)' r, minimised over r >= FLOOR.
+        right = stiffness * share + pull
+        target = bounded_minimum(matrix, right, FLOOR, self.face_ordering)
+        step = target - share
+        return self.unit * _lowered(
+            lambda length: self.energy(theta, self.unit * (share + length * step)), share, step
+        )
+
+
+def _rayleigh(z: Complexes, matrix: sparse.csr_array) -> float:
+    image = np.asarray(matrix @ z)
+    return float((z.conj() @ image).real)
+
+
+def _lowered(energy: Callable[[float], float], start: Scalars, step: Scalars) -> Scalars:
+    """Go along a step, halved until the energy is no higher than at its start; stay if that never comes."""
+    before, length = energy(0.0), 1.0
+    while length > 1e-3:
+        if energy(length) <= before:
+            return start + length * step
+        length *= 0.5
+    return start
+
+
+def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: float, ordering: Ordering) -> Scalars:
+    """Minimise ``1/2 r' K r - b' r`` over ``r >= least``, by the primal-dual active set method.
+
+    For a matrix K with no positive entry off its diagonal, as here, the method ends at the exact minimiser.
+
+    Parameters
+    ----------
+    matrix : K, symmetric positive definite, (n, n)
+    right : (n,) b
+    least : the bound
+    ordering : an elimination order for K
+
+    Raises
+    ------
+    FieldError
+        If the active set has not settled after 50 rounds.
+    """
+    r = factorized(matrix, ordering).solve(right)
+    active = r < least
+    for _ in range(50):
+        if not active.any():
+            return r
+        free: Indices = np.flatnonzero(~active)
+        r = np.full(len(right), least)
+        if len(free):
+            rows = matrix[free]
+            inner = rows[:, free]
+            r[free] = factorized(inner, nested_dissection(inner)).solve(
+                right[free] - rows[:, np.flatnonzero(active)] @ r[active]
+            )
+        force = matrix @ r - right
+        settled = np.where(active, force >= 0, r < least)
+        if (settled == active).all():
+            return r
+        active = settled
+    raise FieldError("the positive integrating factor did not settle; try a larger smoothness")

@@ -1,0 +1,214 @@
+"""The integrating factor s: it makes ``s w-perp`` as integrable as it can be (Section 4.2.3, Appendix C).
+
+Both methods look for the integrable field ``v = B x`` (`ClosedFields`) nearest to ``s w-perp``; they differ
+in how nearness is measured. "eigenvector" is the paper's Eq. 7. "logarithm" writes ``s = exp(sigma)``,
+positive whatever sigma is, and measures nearness relative to s (DEVIATIONS.md, rescaling).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy import sparse
+
+from geoweave.arrays import Complexes, Scalars, frozen
+from geoweave.errors import FieldError
+from geoweave.fields import FaceField
+from geoweave.linalg import Ordering, factorized, nested_dissection, one_blas_thread
+from geoweave.mesh import TriMesh
+from geoweave.operators import (
+    ClosedFields,
+    as_complex,
+    as_real,
+    face_laplacian,
+    face_mass,
+    field_mass,
+)
+
+Method: TypeAlias = Literal["logarithm", "eigenvector"]
+"""How `integrating_factor` measures the distance to the integrable fields."""
+
+SMOOTHNESS = {"eigenvector": 1e-4, "logarithm": 2e-4}
+"""mu of Eq. 7, "in all of our examples", and of its logarithm, both for a surface of bounding radius 1."""
+
+POWER_STEPS = 10
+"""Steps of Algorithm 2 from s = 1; more of them drift into modes that change sign."""
+
+NEWTON_STEPS = 12
+GAUGE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class IntegratingFactor:
+    """What `integrating_factor` found.
+
+    Attributes
+    ----------
+    field : the unit field w that was rescaled
+    s : (F,) the factor, area mean 1 on each component; positive by construction with "logarithm", and with
+        "eigenvector" as it came
+    integrable : (F,) the integrable field nearest to s w-perp, complex, in the same unit
+    energies : the functional at the start and after each step
+    """
+
+    field: FaceField
+    s: Scalars
+    integrable: Complexes
+    energies: tuple[float, ...]
+
+
+def perpendicular(field: FaceField) -> Complexes:
+    """w-perp, (F,): the clockwise quarter turn of the unit field, where grad theta should point."""
+    return -1j * field.normalized().values
+
+
+def integrating_factor(
+    field: FaceField,
+    *,
+    method: Method = "logarithm",
+    smoothness: float | None = None,
+    steps: int | None = None,
+) -> IntegratingFactor:
+    """Rescale a unit field so that ``s w-perp`` is as near as possible to being integrable (Section 4.2.3).
+
+    "eigenvector" is Eq. 7: with ``delta = v - s w-perp``, v integrable,
+
+        min 1/2 |delta|^2 + mu/2 |grad s|^2   subject to |s|^2 + |delta|^2 = const,
+
+    by steps of ``(A1 + A2)^-1 A2`` from s = 1 in the unknowns (x, s), ``v = B x``, which need no projection.
+    "logarithm" minimises, over sigma and x together, by Gauss-Newton steps,
+
+        1/2 |exp(-sigma) v - w-perp|^2 + mu/2 |grad sigma|^2,   s = exp(sigma).
+
+    It measures the same departure in units of s: the sine of the angle by which level sets would leave the
+    field. Smoothing the logarithm does not shrink the large values of s near singularities.
+
+    Parameters
+    ----------
+    field : the field w, on a surface without its singular vertices
+    method : see above
+    smoothness : mu, in squared bounding radii of the mesh; 1e-4 for "eigenvector" (the paper's) and 2e-4 for
+        "logarithm" if not given
+    steps : number of steps; 10 of the power iteration, up to 12 Gauss-Newton steps if not given
+
+    Raises
+    ------
+    FieldError
+        If mu is not a positive number or the method is unknown.
+    """
+    if method not in SMOOTHNESS:
+        raise FieldError(
+            f"there is no method '{method}' for the integrating factor: {' or '.join(SMOOTHNESS)}"
+        )
+    weight = SMOOTHNESS[method] if smoothness is None else smoothness
+    if not (np.isfinite(weight) and weight > 0):
+        raise FieldError(f"the smoothness of the integrating factor must be positive, not {weight}")
+    closed = ClosedFields(field.mesh)
+    mu = weight * field.mesh.bounding_radius**2
+    with one_blas_thread():
+        if method == "eigenvector":
+            return _eigenvector(field, closed, mu, POWER_STEPS if steps is None else steps)
+        return _logarithm(field, closed, mu, NEWTON_STEPS if steps is None else steps)
+
+
+def _eigenvector(field: FaceField, closed: ClosedFields, mu: float, steps: int) -> IntegratingFactor:
+    """Eq. 7 as the generalised eigenproblem of Appendix C, without its constraint."""
+    mesh = field.mesh
+    target = _scaled_by_faces(perpendicular(field))
+    cross = -sparse.csr_array(closed.basis_transposed @ field_mass(mesh) @ target)
+    areas = face_mass(mesh)
+    # x' A1 x and x' A2 x, with |delta|^2 = |B x - W s|^2 written out.
+    first = _blocks(closed.mass, cross, sparse.csr_array(areas + mu * face_laplacian(mesh)))
+    second = _blocks(closed.mass, cross, sparse.csr_array(2.0 * areas))
+    total = sparse.csr_array(first + second)
+    factors = factorized(total, nested_dissection(total))
+    split = closed.basis.shape[1]
+    ones = np.ones(mesh.n_faces)
+    y = np.concatenate([_nearest_integrable(closed, perpendicular(field), ones), ones])
+    energies = [_quotient(first, second, y)]
+    for _ in range(steps):
+        y = factors.solve(second @ y)
+        y /= np.sqrt(y @ (second @ y))
+        energies.append(_quotient(first, second, y))
+    return _normalised(field, y[split:], as_complex(closed.basis @ y[:split]), energies)
+
+
+def _quotient(first: sparse.csr_array, second: sparse.csr_array, y: Scalars) -> float:
+    return float((y @ (first @ y)) / (y @ (second @ y)))
+
+
+def _logarithm(field: FaceField, closed: ClosedFields, mu: float, steps: int) -> IntegratingFactor:
+    """Gauss-Newton on (x, sigma); a face's sigma couples to its neighbours and to the x of its corners."""
+    mesh, target = field.mesh, perpendicular(field)
+    area, laplacian, split = mesh.face_areas, face_laplacian(mesh), closed.basis.shape[1]
+
+    def energy(v: Complexes, sigma: Scalars) -> float:
+        miss = np.abs(np.exp(-sigma) * v - target) ** 2
+        return float(0.5 * area @ miss + 0.5 * mu * sigma @ (laplacian @ sigma))
+
+    sigma = np.zeros(mesh.n_faces)
+    x = _nearest_integrable(closed, target, np.exp(sigma))
+    v = as_complex(closed.basis @ x)
+    energies = [energy(v, sigma)]
+    ordering: Ordering | None = None
+    for _ in range(steps):
+        shrink = np.exp(-sigma)
+        relative = shrink * v
+        miss = relative - target
+        # Residual shrink * (B dx) - relative * dsigma + miss; scaling s and v together changes nothing, and
+        # the small diagonal term keeps the step from drifting that way.
+        weight = np.repeat(area * shrink**2, 2)
+        upper = sparse.csr_array(closed.basis_transposed @ sparse.diags_array(weight) @ closed.basis)
+        cross = -closed.basis_transposed @ _scaled_by_faces(area * shrink * relative)
+        lower = sparse.diags_array(area * (np.abs(relative) ** 2 + GAUGE)) + mu * laplacian
+        matrix = _blocks(upper, cross, lower)
+        ordering = ordering or nested_dissection(matrix)
+        downhill = np.concatenate(
+            [
+                -(closed.basis_transposed @ as_real(area * shrink * miss)),
+                area * (relative.conj() * miss).real - mu * (laplacian @ sigma),
+            ]
+        )
+        step = factorized(matrix, ordering).solve(downhill)
+        dv, ds, length = as_complex(closed.basis @ step[:split]), step[split:], 1.0
+        while (new := energy(v + length * dv, sigma + length * ds)) > energies[-1] and length > 1e-3:
+            length *= 0.5
+        if new >= energies[-1]:
+            break
+        v, sigma = v + length * dv, sigma + length * ds
+        energies.append(new)
+        if energies[-2] - new < 1e-4 * new:
+            break
+    return _normalised(field, np.exp(sigma - sigma.mean()), v * np.exp(-sigma.mean()), energies)
+
+
+def _scaled_by_faces(vectors: Complexes) -> sparse.csr_array:
+    """The map from a number per face to that multiple of the face's vector, (2F, F)."""
+    count = len(vectors)
+    rows = np.arange(2 * count)
+    return sparse.csr_array((as_real(vectors), (rows, rows // 2)), shape=(2 * count, count))
+
+
+def _blocks(upper: sparse.csr_array, cross: sparse.csr_array, lower: sparse.csr_array) -> sparse.csr_array:
+    return sparse.csr_array(sparse.block_array([[upper, cross], [cross.T, lower]], format="csr"))
+
+
+def _nearest_integrable(closed: ClosedFields, target: Complexes, s: Scalars) -> Scalars:
+    """Coordinates x of the integrable field nearest to ``s target``."""
+    right = closed.basis_transposed @ (field_mass(closed.mesh) @ as_real(s * target))
+    return factorized(closed.mass, nested_dissection(closed.mass)).solve(right)
+
+
+def _normalised(field: FaceField, s: Scalars, v: Complexes, energies: list[float]) -> IntegratingFactor:
+    """Give s the area mean 1 on each component (Appendix C: components do not know each other's scale)."""
+    mean = component_means(field.mesh, np.abs(s))[field.mesh.face_components]
+    return IntegratingFactor(field, frozen(s / mean), frozen(v / mean), tuple(energies))
+
+
+def component_means(mesh: TriMesh, values: Scalars) -> Scalars:
+    """Area mean of face values on each component."""
+    part = mesh.face_components
+    total = np.bincount(part, mesh.face_areas * values)
+    return np.asarray(total / np.bincount(part, mesh.face_areas))
