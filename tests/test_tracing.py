@@ -11,6 +11,7 @@ from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, random_field
 from geoweave.mesh import TriMesh
+from geoweave.straightest import crossings
 from geoweave.tracing import streamlines
 
 
@@ -180,6 +181,11 @@ def test_lines_keep_apart_and_cover(traced):
     pairs = tree.query_pairs(0.4 * separation, output_type="ndarray")
     # half a separation is kept between samples a fifth apart, so 0.4 is left between any two points
     assert (line[pairs[:, 0]] == line[pairs[:, 1]]).all()
+
+
+def test_lines_cross_neither_each_other_nor_themselves(traced):
+    _, curves = traced
+    assert len(crossings(curves)) == 0
 
 
 SMOOTH = ["rotation on a sphere", "height on a sphere", "rotation on an annulus", "rays on an annulus"]
