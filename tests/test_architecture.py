@@ -35,12 +35,12 @@ LAYERS = (
         },
     ),
     ("operators and fields", {"circle", "fields", "operators", "part"}),
-    ("geodesic fields", {"geodesic", "reference", "rosy", "singularities"}),
+    ("geodesic fields", {"domains", "geodesic", "reference", "rosy", "singularities"}),
     ("integration", {"alignment", "curl_correction", "integration", "mixed_integer", "rescaling"}),
     ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
     ("models of the figures", {"models"}),
     ("the artifact", {"doctor", "execution", "notebooks", "progress", "runner"}),
-    ("the command", {"__main__", "cli"}),
+    ("the command", {"__main__", "cli", "design", "terminal"}),
 )
 LEVEL = {name: level for level, (_, modules) in enumerate(LAYERS) for name in modules}
 ARTIFACT = next(level for level, (title, _) in enumerate(LAYERS) if title == "the artifact")

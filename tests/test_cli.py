@@ -192,6 +192,46 @@ def test_a_scaled_or_moved_mesh_gives_the_same_field(run, tmp_path, scale, shift
         np.testing.assert_allclose(sign * there[name], here[name], atol=1e3 * tolerance)
 
 
+# -- foliate ------------------------------------------------------------------------------------------------
+
+
+def test_foliate_as_json_and_as_arrays(run, ball, tmp_path):
+    out_file = tmp_path / "leaves.npz"
+    status, out, err = run("foliate", ball, "--faces", 2000, "--json", "-o", out_file)
+    assert (status, err) == (0, "")
+    result = json.loads(out)
+    assert result["s_min"] > 0
+    assert 0 < result["deviation_deg"]["median"] < result["deviation_deg"]["p95"]
+    assert set(result["seconds"]) >= {"read", "remesh", "smoothest", "geodesic", "foliate", "total"}
+
+    with np.load(out_file, allow_pickle=False) as arrays:
+        saved = {name: arrays[name] for name in arrays.files}
+    assert set(saved) == {
+        "vertices", "faces", "field_initial", "field", "delta", "theta_jump", "s", "kept"
+    }  # fmt: skip
+    kept = saved["kept"]
+    assert (~kept).sum() == result["punctured_faces"] > 0
+    assert np.isnan(saved["s"][~kept]).all()
+    assert np.isnan(saved["theta_jump"][~kept]).all()
+    assert (saved["s"][kept] > 0).all()
+    turns = saved["theta_jump"][kept].sum(axis=1) / (2 * np.pi)
+    np.testing.assert_allclose(turns, np.rint(turns), atol=1e-9)
+    assert (np.rint(turns) != 0).sum() == result["dislocations"]
+
+
+def test_foliate_for_people_and_at_another_scale(run, ball):
+    status, out, _ = run("foliate", ball)
+    assert status == 0
+    for word in ("deviation", "dislocations", "smallest s"):
+        assert word in out
+    rough, fine = (
+        json.loads(run("foliate", ball, "--json", "--scale", scale)[1])["deviation_deg"]["mean"]
+        for scale in (0.2, 3)
+    )
+    assert np.isfinite([rough, fine]).all()
+    assert refused(run("foliate", ball, "--scale", 0), "--scale")
+
+
 # -- data sets, figures, doctor -----------------------------------------------------------------------------
 
 

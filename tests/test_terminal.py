@@ -1,0 +1,40 @@
+"""What the commands share."""
+
+import json
+
+import pytest
+
+from geoweave import terminal
+from geoweave.errors import MeshError
+
+
+def test_numbers_for_people() -> None:
+    assert terminal.text_of(1234567) == "1,234,567"
+    assert terminal.text_of(0.123456789) == "0.123457"
+
+
+def test_tables_line_up(capsys: pytest.CaptureFixture[str]) -> None:
+    terminal.print_table("title", [("a", "1"), ("longer", "")])
+    assert capsys.readouterr().out == "title\n  a       1\n  longer\n"
+
+
+def test_json_has_no_nan(capsys: pytest.CaptureFixture[str]) -> None:
+    terminal.print_json({"a": [1, 2.5]})
+    assert json.loads(capsys.readouterr().out) == {"a": [1, 2.5]}
+    with pytest.raises(ValueError, match="JSON"):
+        terminal.print_json({"a": float("nan")})
+
+
+def test_stages_are_timed_and_progress_is_silent_without_a_terminal(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    seconds: dict[str, float] = {}
+    with terminal.status() as say, terminal.timed(seconds, "stage"):
+        say("working")
+    assert seconds["stage"] >= 0
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_name_that_is_neither_file_nor_data_set() -> None:
+    with pytest.raises(MeshError, match="neither a file nor a data set"):
+        terminal.read_surface("nothing", "keep", False, lambda text: None)
