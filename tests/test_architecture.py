@@ -35,7 +35,7 @@ LAYERS = (
         },
     ),
     ("operators and fields", {"circle", "fields", "operators", "part"}),
-    ("geodesic fields", {"domains", "geodesic", "reference", "rosy", "singularities"}),
+    ("geodesic fields", {"baselines", "domains", "geodesic", "reference", "rosy", "singularities"}),
     ("integration", {"alignment", "curl_correction", "integration", "mixed_integer", "rescaling"}),
     ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
     ("models of the figures", {"models"}),
