@@ -25,6 +25,7 @@ from geoweave.viz.gallery import (
     portrait,
     streamline_gallery,
 )
+from geoweave.viz.periodic import Periodic, add_theta, periodic_gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
 from geoweave.viz.scene import Scene, View
@@ -38,11 +39,13 @@ __all__ = [
     "Lines",
     "Note",
     "Panel",
+    "Periodic",
     "Picture",
     "Plate",
     "Scale",
     "Scene",
     "View",
+    "add_theta",
     "convergence_chart",
     "curl_scale",
     "curvature_scale",
@@ -50,6 +53,7 @@ __all__ = [
     "face_arrows",
     "heat_scale",
     "mesh_digest",
+    "periodic_gallery",
     "plates",
     "portrait",
     "provenance",

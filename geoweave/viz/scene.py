@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pyvista as pv
-from matplotlib.colors import Colormap
+from matplotlib.colors import Colormap, to_rgb
 from numpy.typing import NDArray
 from PIL import Image, ImageFilter
 
@@ -98,12 +98,16 @@ class Scene:
         *,
         values: Scalars | None = None,
         limit: float | None = None,
+        limits: tuple[float, float] | None = None,
+        colormap: Colormap | None = None,
         colour: str = style.SURFACE,
         crease: float = 80.0,
     ) -> None:
         """Add the surface, smooth but for creases sharper than ``crease`` degrees.
 
-        ``values`` (F,) are shown on the diverging map from ``-limit`` to ``limit``, one colour a face.
+        ``values`` are shown, (F,) one colour a face or (V,) joined over the faces, on the diverging map from
+        ``-limit`` to ``limit`` or on the given map between ``limits``; where the value is not a number the
+        surface has the plain ``colour``.
         """
         if self._placement is None:
             # The renderer's depths and radii have absolute tolerances: it gets models of one size only.
@@ -112,12 +116,47 @@ class Scene:
         soup = pv.PolyData(placed, np.insert(mesh.faces, 0, 3, axis=1).ravel())
         look: dict[str, Any] = {"color": colour}
         if values is not None:
-            soup.cell_data["values"] = values
-            reach = float(np.abs(values).max()) if limit is None else limit
-            look = {"scalars": "values", "cmap": style.diverging(), "clim": (-reach, reach)}
+            held = soup.cell_data if len(values) == mesh.n_faces else soup.point_data
+            held["values"] = values
+            reach = float(np.nanmax(np.abs(values))) if limit is None else limit
+            look = {"scalars": "values", "cmap": colormap or style.diverging(), "nan_color": colour}
+            look["clim"] = limits or (-reach, reach)
         soup = soup.compute_normals(
             cell_normals=False, split_vertices=True, feature_angle=crease, consistent_normals=False
         )
+        look |= {"ambient": 0.30, "diffuse": 0.74, "specular": 0.08, "specular_power": 10.0, "occludes": True}
+        self._actors.append((soup, look))
+        self._points.append(placed)
+
+    def add_periodic(
+        self,
+        mesh: TriMesh,
+        angles: Scalars,
+        *,
+        colormap: Colormap | None = None,
+        colour: str = style.SURFACE,
+        crease: float = 80.0,
+    ) -> None:
+        """Add a surface in the colours of angles that grow linearly over each face, wrapping where they will.
+
+        ``angles`` (F, 3) at the corners of each face, radians, of which neighbours need to agree only up to
+        full turns; a face with an angle that is not a number has the plain ``colour``.
+        """
+        if self._placement is None:
+            self._placement = mesh.normalized()[1]
+        placed = self._placement.apply(mesh.vertices)
+        smooth = pv.PolyData(placed, np.insert(mesh.faces, 0, 3, axis=1).ravel()).compute_normals(
+            cell_normals=False, split_vertices=True, feature_angle=crease, consistent_normals=False
+        )
+        corners = smooth.regular_faces.ravel()
+        soup = pv.PolyData(
+            smooth.points[corners], np.insert(np.arange(len(corners)).reshape(-1, 3), 0, 3, axis=1).ravel()
+        )
+        soup.point_data.active_normals = smooth.point_data.active_normals[corners]
+        plain = np.repeat(~np.isfinite(angles).all(axis=1), 3)
+        turns = np.where(plain, 0.0, angles.ravel() / (2.0 * np.pi))
+        soup.active_texture_coordinates = np.stack([turns, np.where(plain, 0.25, 0.75)], axis=1)
+        look: dict[str, Any] = {"texture": _wheel(colormap or style.cyclic(), colour), "color": "white"}
         look |= {"ambient": 0.30, "diffuse": 0.74, "specular": 0.08, "specular_power": 10.0, "occludes": True}
         self._actors.append((soup, look))
         self._points.append(placed)
@@ -145,6 +184,15 @@ class Scene:
         tubes = thread.tube(radius=radius / placement.scale, n_sides=8)
         look |= {"ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
         self._actors.append((tubes, look))
+
+    def add_segments(self, ends: Vectors, radius: float, colour: str = style.INK) -> None:
+        """Add straight bars between pairs of points, ``ends`` (N, 2, 3), such as the edges of the mesh."""
+        placement = self._placed()
+        count = len(ends)
+        lines = np.insert(np.arange(2 * count).reshape(-1, 2), 0, 2, axis=1).ravel()
+        bars = pv.PolyData(placement.apply(ends.reshape(-1, 3)), lines=lines)
+        look = {"color": colour, "ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
+        self._actors.append((bars.tube(radius=radius / placement.scale, n_sides=6), look))
 
     def add_dots(self, points: Vectors, radius: float, colours: Sequence[str]) -> None:
         """Add small balls, one colour each."""
@@ -242,6 +290,16 @@ def _joined(curves: Curves) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
             cells.append(np.concatenate([[len(own)], total + np.arange(len(own))]))
             total += len(own)
     return np.concatenate(owners), np.concatenate(cells)
+
+
+def _wheel(colormap: Colormap, colour: str) -> pv.Texture:
+    """Make a texture that repeats to the right: the upper half the map, the lower half one colour."""
+    ramp = np.asarray(colormap((np.arange(1024) + 0.5) / 1024.0))[:, :3]
+    plain = np.broadcast_to(to_rgb(colour), ramp.shape)
+    image = np.rint(255.0 * np.concatenate([np.tile(ramp, (8, 1, 1)), np.tile(plain, (8, 1, 1))]))
+    texture = pv.Texture(image.astype(np.uint8))
+    texture.repeat, texture.interpolate = True, True
+    return texture
 
 
 class _Camera(NamedTuple):

@@ -102,6 +102,12 @@ def shade() -> LinearSegmentedColormap:
     return _uniform("geoweave-shade", ["#1b1e24", "#4c515b", "#b7ab97", "#fbf6ea"])
 
 
+@cache
+def cyclic() -> LinearSegmentedColormap:
+    """Map of angles that ends where it starts: sand (0), teal, slate (half a turn), mallow and back."""
+    return _uniform("geoweave-wheel", ["#f3ead8", "#5fa3a3", "#2c4460", "#a4597c", "#f3ead8"])
+
+
 def _uniform(name: str, stops: Sequence[str]) -> LinearSegmentedColormap:
     """Join colours by straight lines in Oklab, at constant speed there."""
     corners = _to_oklab(np.array([to_rgb(stop) for stop in stops]))

@@ -1,0 +1,239 @@
+"""Circle-valued functions in the colours of a wheel, with their level sets (Figs. 4 and 11).
+
+Theta is painted as it is defined: linear over each face, with the turns along its edges. No seam shows where
+the angle wraps round, however coarse the mesh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Colormap, Normalize, to_hex
+from matplotlib.figure import Figure
+
+from geoweave.arrays import Indices, Vectors
+from geoweave.circle import TURN, CircleFunction
+from geoweave.curves import Curves
+from geoweave.errors import RenderError
+from geoweave.mesh import TriMesh
+from geoweave.part import Part
+from geoweave.viz import style
+from geoweave.viz.gallery import VIEWS
+from geoweave.viz.picture import Picture, sheet
+from geoweave.viz.scene import Pixels, Scene, View
+
+SIDE, GAP, TITLE, SUBTITLE, FOOT = 34, 50, 58, 40, 150
+"""Pixels of a full-width figure: border, between panels, for each line under one, for the colour bar."""
+
+SHADES = 24
+"""Colours in which dots at vertices are drawn."""
+
+
+def corner_angles(circle: CircleFunction, part: Part | None = None) -> tuple[TriMesh, Vectors]:
+    """Find the angles to paint: linear over each face, so that both faces of an edge agree on it.
+
+    A face with an edge dislocation is cut into three about its centre, for no linear function has the changes
+    of its sides; between them the colours meet at angles, round the centre they go round the wheel.
+
+    Parameters
+    ----------
+    circle : the function
+    part : if it lives on a part of a surface, that part; the rest of the whole gets no angles
+
+    Returns
+    -------
+    mesh : what to paint, with dislocated faces cut
+    angles : (F, 3) at the corners of its faces, radians; not a number outside the part
+    """
+    whole = circle.mesh if part is None else part.whole
+    faces = np.arange(whole.n_faces) if part is None else part.faces
+    if len(faces) != circle.mesh.n_faces:
+        raise RenderError(
+            f"theta lives on {circle.mesh.n_faces} faces, the part has {len(faces)}: give the part it is on"
+        )
+    change = circle.corner_jumps
+    start = circle.theta[circle.mesh.faces[:, 0]]
+    angles = np.full((whole.n_faces, 3), np.nan)
+    angles[faces] = start[:, None] + np.stack([0 * start, change[:, 2], change[:, 2] + change[:, 0]], axis=1)
+    cut = np.flatnonzero(circle.dislocated)
+    if not len(cut):
+        return whole, angles
+    # One piece beside each side, from corner k + 1 to corner k + 2; the centre is half way between them.
+    centre = whole.n_vertices + np.arange(len(cut))
+    own = whole.faces[faces[cut]]
+    pieces = np.stack(
+        [np.stack([own[:, (k + 1) % 3], own[:, (k + 2) % 3], centre], axis=1) for k in range(3)]
+    )
+    theta = circle.theta[circle.mesh.faces[cut]]
+    painted = np.stack(
+        [theta[:, [1, 2, 0]], theta[:, [1, 2, 0]] + change[cut], theta[:, [1, 2, 0]] + 0.5 * change[cut]],
+        axis=2,
+    ).swapaxes(0, 1)
+    kept = np.ones(whole.n_faces, dtype=bool)
+    kept[faces[cut]] = False
+    mesh = TriMesh(
+        np.concatenate([whole.vertices, whole.barycenters[faces[cut]]]),
+        np.concatenate([whole.faces[kept], pieces.reshape(-1, 3)]),
+    )
+    return mesh, np.concatenate([angles[kept], painted.reshape(-1, 3)])
+
+
+def add_theta(
+    scene: Scene, circle: CircleFunction, *, part: Part | None = None, colormap: Colormap | None = None
+) -> None:
+    """Add a surface in the colours of a circle-valued function; faces it does not live on stay plain.
+
+    Parameters
+    ----------
+    scene : where to add it
+    circle : the function
+    part : the part of a surface it lives on, if the whole is to be seen
+    colormap : of angles, ending where it starts; `style.cyclic` by default
+    """
+    mesh, angles = corner_angles(circle, part)
+    scene.add_periodic(mesh, angles, colormap=colormap)
+
+
+@dataclass(frozen=True, eq=False)
+class Periodic:
+    """One surface with a circle-valued function.
+
+    Attributes
+    ----------
+    circle : the function
+    title, subtitle : lines under the picture
+    part : the part of a surface that the function lives on, if the whole is to be seen
+    coloured : whether to paint theta; else the surface is plain
+    curves : curves on it, such as level sets
+    edges : whether to draw the edges of the mesh
+    dots : whether to mark the vertices, in the colours of theta
+    dislocations : whether to mark the faces that hold an edge dislocation
+    thickness : radius of the curves in bounding radii
+    view : where from, or the name of a model in `VIEWS`
+    """
+
+    circle: CircleFunction
+    title: str = ""
+    subtitle: str = ""
+    part: Part | None = None
+    coloured: bool = True
+    curves: Curves | None = None
+    edges: bool = False
+    dots: bool = False
+    dislocations: bool = False
+    thickness: float = 0.006
+    view: View | str = field(default_factory=View)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.view, str) and self.view not in VIEWS:
+            raise RenderError(f"no view is kept for '{self.view}': give a View, or one of {', '.join(VIEWS)}")
+
+    def scene(self) -> Scene:
+        """Build the scene."""
+        scene = Scene(VIEWS[self.view] if isinstance(self.view, str) else self.view)
+        mesh = self.circle.mesh if self.part is None else self.part.whole
+        radius = mesh.bounding_radius
+        if self.coloured:
+            add_theta(scene, self.circle, part=self.part)
+        else:
+            scene.add_surface(mesh)
+        if self.edges:
+            scene.add_segments(mesh.vertices[mesh.edges], 0.0022 * radius, style.INK)
+        if self.curves is not None and len(self.curves):
+            scene.add_curves(self.curves, self.thickness * radius)
+        if self.dots:
+            share = np.rint(self.circle.theta / TURN * SHADES).astype(np.int64) % SHADES
+            wheel = [to_hex(style.cyclic()(k / SHADES)) for k in range(SHADES)]
+            scene.add_dots(self.circle.mesh.vertices, 0.016 * radius, [wheel[k] for k in share])
+        if self.dislocations:
+            found = _dislocations(self.circle)
+            scene.add_dots(self.circle.mesh.barycenters[found], 0.02 * radius, [style.SOURCE] * len(found))
+        return scene
+
+
+def _dislocations(circle: CircleFunction) -> Indices:
+    return np.flatnonzero(circle.dislocated)
+
+
+def periodic_gallery(
+    panels: Sequence[Periodic],
+    *,
+    columns: int | None = None,
+    width: int = style.WIDTH,
+    tallest: int = 900,
+    alt: str = "",
+) -> Picture:
+    """Draw panels in rows of equal columns, models of a row equally tall, with the wheel of theta below.
+
+    Parameters
+    ----------
+    panels : what to draw; the order is kept
+    columns : panels in a row; all in one row if not given
+    width : pixels across the figure; a narrower one is the same figure, smaller
+    tallest : height that no panel exceeds, in pixels of a figure of full width
+    alt : one sentence that says what is to be seen
+
+    Raises
+    ------
+    RenderError
+        If there is nothing to draw.
+    """
+    if not panels:
+        raise RenderError("a gallery needs at least one panel")
+    per_row = columns or len(panels)
+    unit = width / style.WIDTH
+    cell = (width - unit * (2 * SIDE + GAP * (per_row - 1))) / per_row
+    scenes = [panel.scene() for panel in panels]
+    rows = [range(start, min(start + per_row, len(panels))) for start in range(0, len(panels), per_row)]
+    heights = [min(round(unit * tallest), *(int(cell / scenes[k].aspect) for k in row)) for row in rows]
+    words = unit * (TITLE + (SUBTITLE if any(panel.subtitle for panel in panels) else 0))
+    foot = FOOT if any(panel.coloured or panel.dots for panel in panels) else 0
+    total = round(sum(heights) + (words + unit * GAP) * len(rows) + unit * (SIDE + foot))
+    figure = sheet(width, total)
+    with style.applied():
+        top = unit * SIDE
+        for row, height in zip(rows, heights, strict=True):
+            # A row that is not full stands in the middle.
+            left = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * GAP)
+            for k in row:
+                pixels = scenes[k].draw(height)
+                _place(figure, pixels, left + 0.5 * (cell - pixels.shape[1]), top)
+                middle = (left + 0.5 * cell) / width
+                for text, down, size, colour in (
+                    (panels[k].title, 14, 11.5, style.INK),
+                    (panels[k].subtitle, 62, 9.0, style.FAINT),
+                ):
+                    where = 1.0 - (top + height + unit * down) / total
+                    figure.text(middle, where, text, ha="center", va="top", size=unit * size, color=colour)
+                left += cell + unit * GAP
+            top += height + words + unit * GAP
+        if foot:
+            _wheel_bar(figure, unit)
+    described = alt or "Circle-valued functions: " + ", ".join(panel.title for panel in panels)
+    return Picture(figure, described, (style.cyclic(),))
+
+
+def _place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
+    """Put pixels on the figure without resampling."""
+    width, height = round(figure.bbox.width), round(figure.bbox.height)
+    rows, columns = pixels.shape[:2]
+    box = (round(left) / width, 1 - (round(top) + rows) / height, columns / width, rows / height)
+    axes = figure.add_axes(box)
+    axes.imshow(pixels, interpolation="none", aspect="auto")
+    axes.set_axis_off()
+
+
+def _wheel_bar(figure: Figure, unit: float) -> None:
+    """Draw the colours of one full turn at the bottom."""
+    height = figure.bbox.height
+    axes = figure.add_axes((0.37, unit * 100 / height, 0.26, unit * 18 / height))
+    mappable = ScalarMappable(Normalize(0.0, TURN), style.cyclic())
+    bar = Colorbar(axes, mappable, orientation="horizontal", ticks=[k * TURN / 4 for k in range(5)])
+    bar.outline.set_visible(False)
+    bar.set_ticklabels(["0", "π/2", "π", "3π/2", "2π"])
+    axes.tick_params(length=unit * 3, width=unit * 0.7, pad=unit * 3, labelsize=unit * 8.5)
+    bar.set_label("θ (2π is 0 again)", size=unit * 9, labelpad=unit * 4)
