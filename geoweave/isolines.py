@@ -15,8 +15,9 @@ import numpy as np
 from geoweave.arrays import Flags, Indices, Scalars
 from geoweave.circle import TURN, CircleFunction, wrapped
 from geoweave.compiled import compiled
-from geoweave.curves import Curves
+from geoweave.curves import Curves, lifted
 from geoweave.errors import FieldError
+from geoweave.integration import Foliation
 from geoweave.mesh import TriMesh
 
 __all__ = ["isolines"]
@@ -28,7 +29,7 @@ AT_LEVEL = 1e-12
 """A vertex within so many turns of the level is at the level: far above rounding, far below any edge."""
 
 
-def isolines(circle: CircleFunction, levels: Sequence[float] = (0.5 * np.pi,)) -> Curves:
+def isolines(function: CircleFunction | Foliation, levels: Sequence[float] = (0.5 * np.pi,)) -> Curves:
     """Extract the level sets ``theta = level`` (modulo full turns) of a circle-valued function.
 
     In each face they are the straight level lines of the linear function with the given changes along its
@@ -42,7 +43,7 @@ def isolines(circle: CircleFunction, levels: Sequence[float] = (0.5 * np.pi,)) -
 
     Parameters
     ----------
-    circle : the function
+    function : theta, or a foliation, whose level sets are then drawn on the whole surface
     levels : the levels, radians; lines of the first level come first
 
     Returns
@@ -57,6 +58,9 @@ def isolines(circle: CircleFunction, levels: Sequence[float] = (0.5 * np.pi,)) -
     FieldError
         If a level is not finite.
     """
+    if isinstance(function, Foliation):
+        return lifted(isolines(function.circle, levels), function.part)
+    circle = function
     asked = np.asarray(levels, dtype=np.float64).ravel()
     if not np.isfinite(asked).all():
         raise FieldError(f"the levels of isolines must be finite, not {asked.tolist()}")

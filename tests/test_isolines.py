@@ -9,6 +9,8 @@ from geoweave import shapes
 from geoweave.circle import TURN, CircleFunction
 from geoweave.curves import Curves, lifted
 from geoweave.errors import FieldError
+from geoweave.fields import FaceField
+from geoweave.integration import foliate
 from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
 from geoweave.operators import differences
@@ -240,6 +242,18 @@ def test_lines_on_a_part_are_lines_on_the_whole():
     assert set(whole.faces) <= set(np.flatnonzero(part.kept))
     with pytest.raises(FieldError, match="mesh of the part"):
         lifted(whole, part)
+
+
+def test_leaves_of_a_foliation_lie_on_the_whole_surface():
+    ball = shapes.sphere(faces=1280)
+    upwards = FaceField.from_ambient(ball, np.tile([0.0, 0.0, 1.0], (ball.n_faces, 1)))
+    foliation = foliate(upwards, alternations=2)
+    assert foliation.part.mesh.n_faces < ball.n_faces
+    leaves = isolines(foliation)
+    assert leaves.mesh is ball
+    apart = isolines(foliation.circle)
+    assert np.array_equal(leaves.points, apart.points)
+    assert np.array_equal(leaves.faces, foliation.part.faces[apart.faces])
 
 
 def test_a_level_must_be_a_number():
