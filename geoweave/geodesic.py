@@ -346,7 +346,7 @@ def _alternate(
             trial, momentum = plain, 1.0
             trial_v, trial_energy = project(trial)
         if trial_energy > energy:
-            if trial_energy > energy + 1e-8 * abs(energy) + 1e-14 * mesh.face_areas.sum():
+            if trial_energy > energy + 1e-8 * abs(energy) + 1e-11 * mesh.face_areas.sum():
                 raise FieldError(
                     f"a step of Algorithm 1 raised the energy from {energy:.6g} to {trial_energy:.6g}: the "
                     "mesh is too distorted for double precision; remesh it (--faces N)"

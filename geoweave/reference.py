@@ -15,6 +15,7 @@ from geoweave.operators import (
     as_real,
     curl,
     dual_weights,
+    face_laplacian,
     field_mass,
     transport_differences,
 )
@@ -85,3 +86,60 @@ def _independent_rows(mesh: TriMesh, handle: Flags) -> Indices:
     owner = np.where(handle[i], region[j], region[i])[rows]
     _, first = np.unique(owner, return_index=True)
     return np.delete(rows, first[surplus[owner[first]]])
+
+
+def constrained_power_step(
+    field: FaceField, delta: Complexes, s: Scalars, smoothness: float
+) -> tuple[Complexes, Scalars]:
+    """One step of inverse iteration for Eq. 7 within its constraint, by a KKT system (Appendix C).
+
+    ``min 1/2 x' (A1 + A2) x - x' A2 y`` subject to ``C (s w-perp + delta) = 0``, with y = (delta, s) given
+    and x = (delta, s) sought.
+
+    Parameters
+    ----------
+    field : unit field w
+    delta, s : (F,) complex and (F,) real, the iterate
+    smoothness : mu, length^2
+    """
+    total, second, constraint = _appendix_c(field, smoothness)
+    size, count = total.shape[0], constraint.shape[0]
+    matrix = sparse.block_array([[total, constraint.T], [constraint, None]], format="csc")
+    right = np.concatenate([second @ np.concatenate([as_real(delta), s]), np.zeros(count)])
+    solution = splu(matrix).solve(right)[:size]
+    return as_complex(solution[: 2 * field.mesh.n_faces]), solution[2 * field.mesh.n_faces :]
+
+
+def algorithm_2_step(
+    field: FaceField, delta: Complexes, s: Scalars, smoothness: float
+) -> tuple[Complexes, Scalars]:
+    """One step of Algorithm 2 as printed: solve without the constraint, then project onto it (Appendix C).
+
+    The projection is orthogonal in the plain coordinates, so the result is not the constrained minimiser
+    (DEVIATIONS.md, rescaling).
+
+    Parameters
+    ----------
+    field, delta, s, smoothness : as in `constrained_power_step`
+    """
+    total, second, constraint = _appendix_c(field, smoothness)
+    x = splu(sparse.csc_array(total)).solve(second @ np.concatenate([as_real(delta), s]))
+    gram = sparse.csc_array(constraint @ constraint.T)
+    x = x - constraint.T @ splu(gram).solve(constraint @ x)
+    return as_complex(x[: 2 * field.mesh.n_faces]), x[2 * field.mesh.n_faces :]
+
+
+def _appendix_c(
+    field: FaceField, smoothness: float
+) -> tuple[sparse.csr_array, sparse.csr_array, sparse.csr_array]:
+    """``A1 + A2``, ``A2`` and the constraint B of Appendix C, on x = (delta, s)."""
+    mesh = field.mesh
+    count = mesh.n_faces
+    areas = sparse.diags_array(mesh.face_areas)
+    first = sparse.block_diag([field_mass(mesh), smoothness * face_laplacian(mesh)], format="csr")
+    second = sparse.block_diag([field_mass(mesh), areas], format="csr")
+    rows = np.arange(2 * count)
+    turned = sparse.csr_array((as_real(-1j * field.values), (rows, rows // 2)), shape=(2 * count, count))
+    jumps = curl(mesh)[_independent_rows(mesh, np.zeros(count, dtype=bool))]
+    constraint = sparse.csr_array(sparse.hstack([jumps, jumps @ turned]))
+    return sparse.csr_array(first + second), sparse.csr_array(second), constraint

@@ -31,7 +31,10 @@ Method: TypeAlias = Literal["logarithm", "eigenvector"]
 """How `integrating_factor` measures the distance to the integrable fields."""
 
 SMOOTHNESS = {"eigenvector": 1e-4, "logarithm": 2e-4}
-"""mu of Eq. 7, "in all of our examples", and of its logarithm, both for a surface of bounding radius 1."""
+"""mu of Eq. 7, "in all of our examples", and of its logarithm, in squared bounding radii."""
+
+LEAST_SMOOTHNESS = 1 / 3
+"""mu of the logarithm is at least so many squared mean edges: below, a coarse mesh has s follow its noise."""
 
 POWER_STEPS = 10
 """Steps of Algorithm 2 from s = 1; more of them drift into modes that change sign."""
@@ -89,8 +92,8 @@ def integrating_factor(
     ----------
     field : the field w, on a surface without its singular vertices
     method : see above
-    smoothness : mu, in squared bounding radii of the mesh; 1e-4 for "eigenvector" (the paper's) and 2e-4 for
-        "logarithm" if not given
+    smoothness : mu, in squared bounding radii of the mesh. If not given, 1e-4 for "eigenvector" (the
+        paper's), and for "logarithm" 2e-4 or a third of the squared mean edge, whichever is more
     steps : number of steps; 10 of the power iteration, up to 12 Gauss-Newton steps if not given
 
     Raises
@@ -102,11 +105,14 @@ def integrating_factor(
         raise FieldError(
             f"there is no method '{method}' for the integrating factor: {' or '.join(SMOOTHNESS)}"
         )
+    mesh = field.mesh
     weight = SMOOTHNESS[method] if smoothness is None else smoothness
+    if smoothness is None and method == "logarithm":
+        weight = max(weight, LEAST_SMOOTHNESS * (mesh.mean_edge / mesh.bounding_radius) ** 2)
     if not (np.isfinite(weight) and weight > 0):
         raise FieldError(f"the smoothness of the integrating factor must be positive, not {weight}")
-    closed = ClosedFields(field.mesh)
-    mu = weight * field.mesh.bounding_radius**2
+    closed = ClosedFields(mesh)
+    mu = weight * mesh.bounding_radius**2
     with one_blas_thread():
         if method == "eigenvector":
             return _eigenvector(field, closed, mu, POWER_STEPS if steps is None else steps)
