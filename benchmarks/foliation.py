@@ -1,4 +1,4 @@
-"""Measure field, s and theta on one surface of genus 4: stages, memory, and the limit they are held against."""
+"""Measure field, s and theta on one surface of genus 4: stages, memory, and the limit they compare with."""
 
 from __future__ import annotations
 
