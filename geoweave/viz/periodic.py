@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Colormap, Normalize, to_hex
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, to_hex
 from matplotlib.figure import Figure
 
 from geoweave.arrays import Indices, Vectors
@@ -31,6 +31,9 @@ SIDE, GAP, TITLE, SUBTITLE, FOOT = 34, 50, 58, 40, 150
 
 SHADES = 24
 """Colours in which dots at vertices are drawn."""
+
+MARK = "#f5b83d"
+"""Colour of dots on dislocations: amber, which the wheel does not hold."""
 
 
 def corner_angles(circle: CircleFunction, part: Part | None = None) -> tuple[TriMesh, Vectors]:
@@ -151,7 +154,7 @@ class Periodic:
             scene.add_dots(self.circle.mesh.vertices, 0.016 * radius, [wheel[k] for k in share])
         if self.dislocations:
             found = _dislocations(self.circle)
-            scene.add_dots(self.circle.mesh.barycenters[found], 0.02 * radius, [style.SOURCE] * len(found))
+            scene.add_dots(self.circle.mesh.barycenters[found], 0.026 * radius, [MARK] * len(found))
         return scene
 
 
@@ -214,7 +217,11 @@ def periodic_gallery(
         if foot:
             _wheel_bar(figure, unit)
     described = alt or "Circle-valued functions: " + ", ".join(panel.title for panel in panels)
-    return Picture(figure, described, (style.cyclic(),))
+    maps = [style.cyclic()]
+    if any(panel.dislocations for panel in panels):
+        # A few small dots would get no colour of their own in the palette of a PNG.
+        maps.append(LinearSegmentedColormap.from_list("geoweave-marks", ["#8a5f10", MARK, "#ffe2a0"]))
+    return Picture(figure, described, tuple(maps))
 
 
 def _place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
