@@ -70,13 +70,19 @@ def deviation(field: FaceField, circle: CircleFunction) -> Scalars:
     FieldError
         If the field and the function live on different meshes.
     """
-    if field.mesh is not circle.mesh:
+    if not _same(field.mesh, circle.mesh):
         raise FieldError(
             f"the field lives on a mesh of {field.mesh.n_faces} faces and theta on another of "
             f"{circle.mesh.n_faces}: take both from the same part of the surface"
         )
     product = circle.gradient * (-1j * field.values).conj()
     return frozen(np.where(product != 0, np.degrees(np.abs(np.angle(product))), 90.0))
+
+
+def _same(one: TriMesh, other: TriMesh) -> bool:
+    return one is other or (
+        np.array_equal(one.faces, other.faces) and np.array_equal(one.vertices, other.vertices)
+    )
 
 
 def spacing(circle: CircleFunction) -> Scalars:

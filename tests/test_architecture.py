@@ -48,7 +48,10 @@ LAYERS = (
             "singularities",
         },
     ),
-    ("integration", {"alignment", "curl_correction", "integration", "mixed_integer", "rescaling"}),
+    (
+        "integration",
+        {"alignment", "compared", "curl_correction", "integration", "mixed_integer", "rescaling"},
+    ),
     ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
     ("models of the figures", {"models"}),
     ("the artifact", {"doctor", "execution", "notebooks", "progress", "runner"}),

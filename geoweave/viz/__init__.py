@@ -29,6 +29,7 @@ from geoweave.viz.periodic import Periodic, add_theta, periodic_gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
 from geoweave.viz.scene import Scene, View
+from geoweave.viz.shading import Family, Shaded, deviation_scale, shaded_gallery
 from geoweave.viz.vectors import FROM_ABOVE, Arrows, Lines, Note, Plate, face_arrows, heat_scale, plates
 
 __all__ = [
@@ -36,6 +37,7 @@ __all__ = [
     "VIEWS",
     "Arrows",
     "Drop",
+    "Family",
     "Lines",
     "Note",
     "Panel",
@@ -44,11 +46,13 @@ __all__ = [
     "Plate",
     "Scale",
     "Scene",
+    "Shaded",
     "View",
     "add_theta",
     "convergence_chart",
     "curl_scale",
     "curvature_scale",
+    "deviation_scale",
     "drop_chart",
     "face_arrows",
     "heat_scale",
@@ -58,5 +62,6 @@ __all__ = [
     "portrait",
     "provenance",
     "publish",
+    "shaded_gallery",
     "streamline_gallery",
 ]

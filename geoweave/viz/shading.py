@@ -1,0 +1,205 @@
+"""Surfaces shaded by a number per face, with several families of curves on them (Figs. 13 and 15)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
+
+from geoweave.arrays import Indices, Scalars
+from geoweave.curves import Curves
+from geoweave.errors import RenderError
+from geoweave.mesh import TriMesh
+from geoweave.viz import style
+from geoweave.viz.gallery import VIEWS, Scale
+from geoweave.viz.picture import Picture, sheet
+from geoweave.viz.scene import Pixels, Scene, View
+
+SIDE, GAP, TITLE, SUBTITLE, FOOT = 34, 46, 58, 40, 160
+"""Pixels of a full-width figure: border, between panels, for each line under one, for bar and legend."""
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Curves of one look.
+
+    Attributes
+    ----------
+    curves : the curves; they may lie on another mesh than the surface shown, such as a part of it
+    colour : of the tubes
+    label : words for the legend; families of one label have one entry
+    thickness : radius of the tubes in bounding radii
+    """
+
+    curves: Curves
+    colour: str = style.INK
+    label: str = ""
+    thickness: float = 0.004
+
+
+@dataclass(frozen=True, eq=False)
+class Shaded:
+    """One surface with a number per face and curves on it.
+
+    Attributes
+    ----------
+    mesh : the surface
+    values : (F,) shown as colours; not a number where a face has none; None for a plain surface
+    smooth : whether to join the colours over the faces, by averages at the vertices
+    title, subtitle : lines under the picture
+    families : curves on the surface
+    indices : (V,) a dot marks where this is not zero, warm positive, blue negative
+    view : where from, or the name of a model in `VIEWS`
+    """
+
+    mesh: TriMesh
+    values: Scalars | None = None
+    smooth: bool = True
+    title: str = ""
+    subtitle: str = ""
+    families: Sequence[Family] = ()
+    indices: Indices | None = None
+    view: View | str = field(default_factory=View)
+
+    def __post_init__(self) -> None:
+        if self.values is not None and self.values.shape != (self.mesh.n_faces,):
+            raise RenderError(
+                f"panel '{self.title}': values of faces need shape ({self.mesh.n_faces},), "
+                f"not {self.values.shape}"
+            )
+        if isinstance(self.view, str) and self.view not in VIEWS:
+            raise RenderError(f"no view is kept for '{self.view}': give a View, or one of {', '.join(VIEWS)}")
+
+    def scene(self, scale: Scale) -> Scene:
+        """Build the scene, values in the colours of a scale."""
+        scene = Scene(VIEWS[self.view] if isinstance(self.view, str) else self.view)
+        limits = (scale.low, scale.high)
+        values = _at_vertices(self.mesh, self.values) if self.smooth else self.values
+        scene.add_surface(self.mesh, values=values, limits=limits, colormap=scale.colormap)
+        radius = self.mesh.bounding_radius
+        for family in self.families:
+            if len(family.curves):
+                scene.add_curves(family.curves, family.thickness * radius, colour=family.colour)
+        if self.indices is not None:
+            marked = np.flatnonzero(self.indices)
+            colours = [style.SOURCE if self.indices[v] > 0 else style.SADDLE for v in marked]
+            scene.add_dots(self.mesh.vertices[marked], 0.022 * radius, colours)
+        return scene
+
+
+def _at_vertices(mesh: TriMesh, values: Scalars | None) -> Scalars | None:
+    """Average face values at the vertices by area, leaving out faces without one."""
+    if values is None:
+        return None
+    weights = np.where(np.isnan(values), 0.0, mesh.face_areas)
+    corners = mesh.faces.ravel()
+    total = np.bincount(corners, np.repeat(np.nan_to_num(values) * weights, 3))
+    weight = np.bincount(corners, np.repeat(weights, 3))
+    return np.where(weight > 0, total / np.where(weight > 0, weight, 1.0), np.nan)
+
+
+def deviation_scale(high: float = 30.0) -> Scale:
+    """Scale of the angle between level sets and field: black where they are aligned, as in Fig. 15."""
+    return Scale(style.shade(), 0.0, high, "angle between level sets and field (degrees)")
+
+
+def shaded_gallery(
+    panels: Sequence[Shaded],
+    scale: Scale,
+    *,
+    columns: int | None = None,
+    width: int = style.WIDTH,
+    tallest: int = 900,
+    alt: str = "",
+) -> Picture:
+    """Draw panels in rows of equal columns, with one colour bar for all and a legend of the curves.
+
+    Parameters
+    ----------
+    panels : what to draw; the order is kept
+    scale : what the colours of all panels mean
+    columns : panels in a row; all in one row if not given
+    width : pixels across the figure; a narrower one is the same figure, smaller
+    tallest : height that no panel exceeds, in pixels of a figure of full width
+    alt : one sentence that says what is to be seen
+
+    Raises
+    ------
+    RenderError
+        If there is nothing to draw.
+    """
+    if not panels:
+        raise RenderError("a gallery needs at least one panel")
+    per_row = columns or len(panels)
+    unit = width / style.WIDTH
+    cell = (width - unit * (2 * SIDE + GAP * (per_row - 1))) / per_row
+    scenes = [panel.scene(scale) for panel in panels]
+    starts = range(0, len(panels), per_row)
+    rows = [list(range(start, min(start + per_row, len(panels)))) for start in starts]
+    heights = [min(round(unit * tallest), *(int(cell / scenes[k].aspect) for k in row)) for row in rows]
+    words = unit * (TITLE + (SUBTITLE if any(panel.subtitle for panel in panels) else 0))
+    total = round(sum(heights) + (words + unit * GAP) * len(rows) + unit * (SIDE + FOOT))
+    figure = sheet(width, total)
+    with style.applied():
+        top = unit * SIDE
+        for row, height in zip(rows, heights, strict=True):
+            # A row that is not full stands in the middle.
+            left = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * GAP)
+            for k in row:
+                pixels = scenes[k].draw(height)
+                _place(figure, pixels, left + 0.5 * (cell - pixels.shape[1]), top)
+                _caption(figure, panels[k], (left + 0.5 * cell) / width, top + height, unit)
+                left += cell + unit * GAP
+            top += height + words + unit * GAP
+        _foot(figure, scale, panels, unit)
+    described = alt or "Shaded surfaces: " + ", ".join(panel.title for panel in panels)
+    return Picture(figure, described, (scale.colormap,))
+
+
+def _place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
+    """Put pixels on the figure without resampling."""
+    width, height = round(figure.bbox.width), round(figure.bbox.height)
+    rows, columns = pixels.shape[:2]
+    box = (round(left) / width, 1 - (round(top) + rows) / height, columns / width, rows / height)
+    axes = figure.add_axes(box)
+    axes.imshow(pixels, interpolation="none", aspect="auto")
+    axes.set_axis_off()
+
+
+def _caption(figure: Figure, panel: Shaded, middle: float, top: float, unit: float) -> None:
+    for text, down, size, colour in (
+        (panel.title, 14, 11.5, style.INK),
+        (panel.subtitle, 62, 9.0, style.FAINT),
+    ):
+        where = 1.0 - (top + unit * down) / figure.bbox.height
+        figure.text(middle, where, text, ha="center", va="top", size=unit * size, color=colour)
+
+
+def _foot(figure: Figure, scale: Scale, panels: Sequence[Shaded], unit: float) -> None:
+    """Draw the colour bar at the bottom, and beside it one line for each label of curves."""
+    height = figure.bbox.height
+    labels = {each.label: each.colour for panel in panels for each in panel.families if each.label}
+    centre, long = (0.36, 0.40) if labels else (0.5, 0.40)
+    axes = figure.add_axes((centre - 0.5 * long, unit * 112 / height, long, unit * 18 / height))
+    bar = Colorbar(
+        axes, ScalarMappable(Normalize(scale.low, scale.high), scale.colormap), orientation="horizontal",
+        extend=scale.ends, extendfrac=0.03,
+    )  # fmt: skip
+    bar.outline.set_visible(False)
+    axes.tick_params(length=unit * 3, width=unit * 0.7, pad=unit * 3, labelsize=unit * 8.5)
+    bar.locator = MaxNLocator(6)
+    bar.update_ticks()
+    bar.set_label(scale.label, size=unit * 9, labelpad=unit * 4)
+    if labels:
+        handles = [Line2D([], [], color=colour, linewidth=unit * 3.0) for colour in labels.values()]
+        figure.legend(
+            handles, list(labels), loc="center left", bbox_to_anchor=(0.62, unit * 100 / height),
+            fontsize=unit * 9.5, handlelength=1.8, labelspacing=0.5,
+        )  # fmt: skip
