@@ -164,6 +164,15 @@ def test_singularities_are_dots_of_their_sign(sphere, poles):
     assert minus[1] > 5
 
 
+def test_seams_are_blue_bars(sphere):
+    def blue(seams):
+        scene = panel_scene(viz.Panel("one", mesh=sphere, seams=seams, view="sphere"))
+        return near(scene.draw(300), style.BLUE, 40).sum()
+
+    assert blue(np.arange(0)) == 0
+    assert blue(np.arange(sphere.n_edges)) > blue(np.arange(sphere.n_edges // 2)) > 20
+
+
 def test_a_gallery_keeps_a_margin_and_one_scale(sphere, circles, meridians):
     panels = [viz.Panel("Circles", circles, "1,280 faces"), viz.Panel("Meridians", meridians, "1,280 faces")]
     picture = viz.streamline_gallery(panels, width=800)

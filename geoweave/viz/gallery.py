@@ -52,6 +52,7 @@ class Panel:
     indices : (V,) index of the field at each vertex; a dot marks where it is not zero (warm positive, blue
         negative)
     face_values : (F,) signed values shown on the surface, such as curl
+    seams : (n,) edges of the mesh drawn as blue bars, such as singular lines
     view : where from, or the name of a model in `VIEWS`
     """
 
@@ -61,6 +62,7 @@ class Panel:
     mesh: TriMesh | None = None
     indices: Indices | None = None
     face_values: Scalars | None = None
+    seams: Indices | None = None
     view: View | str = field(default_factory=View)
 
     @property
@@ -221,6 +223,8 @@ def panel_scene(
         scene.add_curves(panel.curves, thickness, values=_bending(panel.curves), limits=limits)
     elif panel.curves is not None:
         scene.add_curves(panel.curves, thickness)
+    if panel.seams is not None and len(panel.seams):
+        scene.add_segments(mesh.vertices[mesh.edges[panel.seams]], 2.2 * thickness, style.BLUE)
     if panel.indices is not None:
         marked = np.flatnonzero(panel.indices)
         colours = [style.SOURCE if panel.indices[v] > 0 else style.SADDLE for v in marked]
