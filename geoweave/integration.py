@@ -36,8 +36,14 @@ EIGENVALUE_TOLERANCE = 1e-4
 LEAST_COTANGENT = 0.02
 """Floor of the cotangent weights: half the cotangent of an angle of 88 degrees."""
 
-FLOOR = 0.05
+LEAST_COSINE = 0.1
+"""The quadratic model of ``1 - cos`` stays at least so convex."""
+
+FLOOR = 0.2
 """s stays above this share of its first value."""
+
+LEAST_FIRST = 0.02
+"""A first s from Eq. 7 is raised to this share of its median where it is smaller or negative."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +131,7 @@ def foliate(
     weighting: Weighting = "relative",
     quantile: float = QUANTILE,
     alternations: int = 10,
+    tolerance: float = 1e-6,
     hold_s: bool = False,
     smoothness: float = SMOOTHNESS,
     seed: int = 0,
@@ -132,8 +139,9 @@ def foliate(
 ) -> Foliation:
     """Integrate a field to a circle-valued function whose level sets follow it (steps 2 to 5 of 4.2.5).
 
-    Puncture, find a first s, scale it, then alternate between theta (smallest eigenvector of a Hermitian
-    matrix, one Newton step on Eq. 8) and s (one Gauss-Newton step, s kept positive), minimising
+    Puncture, find a first s, scale it, then alternate: theta from the smallest eigenvector of a Hermitian
+    matrix, where that lowers the energy; a Gauss-Newton step in theta and s together; one in s alone, which
+    keeps it positive (DEVIATIONS.md, joint-step). They minimise
 
         sum_i sum_ab  c_ab / shat_i^2 (1 - cos(theta_b - theta_a - s_i w-perp_i . e_ab))
                       + mu/2 |grad(s / shat)|^2
@@ -152,7 +160,8 @@ def foliate(
     rescaling : how the first s is found (`integrating_factor`); a positive factor per face of the punctured
         surface (F',) or of the whole one (F,); None for s = 1
     weighting, quantile : see above and `global_scale`
-    alternations : how often theta and s are updated
+    alternations : how often theta and s are updated at most
+    tolerance : an alternation that lowers the energy by no more than this share of it is the last
     hold_s : keep the first s and find theta alone (periodic global parameterisation without correction)
     smoothness : mu of Eq. 8, in squared bounding radii
     seed : start of the first eigenvector iteration
@@ -176,22 +185,27 @@ def foliate(
     s = scale * global_scale(w, first, quantile) * first
     unit = s if weighting == "relative" else component_means(w.mesh, s)[w.mesh.face_components]
     with one_blas_thread():
-        problem = _Alternation(w, unit, smoothness * field.mesh.bounding_radius**2)
-        z = problem.start(seed)
-        energies: list[float] = []
-        theta_changes, s_changes = [], []
-        z, theta = problem.update_theta(z, None, s)
-        energies.append(problem.energy(theta, s))
+        problem = _Alternation(w, s, unit, smoothness * field.mesh.bounding_radius**2)
+        z, theta = problem.eigenvector(problem.start(seed), None, s)
+        energies = [problem.energy(theta, s)]
+        theta_changes: list[float] = []
+        s_changes: list[float] = []
         for number in range(1, alternations + 1):
             old_theta, old_s = theta, s
-            if not hold_s:
-                s = problem.update_s(theta, s)
-            z, theta = problem.update_theta(z, theta, s)
+            if number > 1:
+                z, theta = problem.eigenvector(z, theta, s)
+            if hold_s:
+                theta = problem.improve_theta(theta, s)
+            else:
+                theta, s = problem.improve_both(theta, s)
+                s = problem.improve_s(theta, s)
             energies.append(problem.energy(theta, s))
             theta_changes.append(problem.theta_change(old_theta, theta))
             s_changes.append(float(np.sqrt(np.average((s / old_s - 1.0) ** 2, weights=w.mesh.face_areas))))
             if callback is not None:
                 callback(number, energies[-1])
+            if energies[-2] - energies[-1] <= tolerance * energies[-1]:
+                break
     circle = CircleFunction.nearest(w.mesh, theta, edge_prediction(w, s))
     return Foliation(w, part, frozen(s), circle, tuple(energies), tuple(theta_changes), tuple(s_changes))
 
@@ -202,7 +216,7 @@ def _first_factor(w: FaceField, part: Part, rescaling: Method | Scalars | None) 
     if isinstance(rescaling, str):
         s = integrating_factor(w, method=rescaling).s
         # Eq. 7 may come out with faces of the wrong sign; theta needs a positive factor everywhere.
-        return np.maximum(s, FLOOR * float(np.median(s)))
+        return np.maximum(s, LEAST_FIRST * float(np.median(s)))
     s = np.asarray(rescaling, dtype=np.float64)
     if s.shape == (part.whole.n_faces,):
         s = s[part.faces]
@@ -237,10 +251,12 @@ def _cotangents(mesh: TriMesh) -> Scalars:
 class _Alternation:
     """The two steps of Eq. 8 on one surface, with what they share: weights, orderings, the masses."""
 
-    def __init__(self, field: FaceField, unit: Scalars, smoothness: float) -> None:
+    def __init__(self, field: FaceField, first: Scalars, unit: Scalars, smoothness: float) -> None:
         mesh = field.mesh
         self.mesh, self.unit, self.smoothness = mesh, unit, smoothness
+        self.least = FLOOR * first / unit
         self.along = _along(field)
+        self.slope = unit[:, None] * self.along
         self.weight = _cotangents(mesh) / unit[:, None] ** 2
         self.tail, self.head = mesh.faces[:, [1, 2, 0]].ravel(), mesh.faces[:, [2, 0, 1]].ravel()
         mass = np.repeat(mesh.face_areas / unit**2, 3) / 3.0
@@ -249,6 +265,7 @@ class _Alternation:
         self.laplacian = face_laplacian(mesh)
         self.face_ordering = nested_dissection(self.laplacian)
         self.vertex_ordering: Ordering | None = None
+        self.joint_ordering: Ordering | None = None
 
     def start(self, seed: int) -> Complexes:
         noise = np.random.default_rng(seed).normal(size=(2, self.mesh.n_vertices))
@@ -279,53 +296,73 @@ class _Alternation:
         shift = 1e-7 * float(diagonal.mean()) * self.mass / float(self.mass.mean())
         return sparse.csr_array(off + off.conj().T + sparse.diags_array(diagonal + shift))
 
-    def update_theta(self, z: Complexes, theta: Scalars | None, s: Scalars) -> tuple[Complexes, Scalars]:
-        """Take the eigenvector of s if it lowers the energy, then a Newton step on Eq. 8."""
+    def eigenvector(self, z: Complexes, theta: Scalars | None, s: Scalars) -> tuple[Complexes, Scalars]:
+        """Inverse iteration for the smallest eigenvector at s; its angles replace theta if that pays."""
         weight = self.weight.ravel()
-        turn = weight * np.exp(1j * (s[:, None] * self.along).ravel())
-        matrix = self._assembled(weight, turn)
+        matrix = self._assembled(weight, weight * np.exp(1j * (s[:, None] * self.along).ravel()))
         self.vertex_ordering = self.vertex_ordering or nested_dissection(matrix)
         factors = factorized(matrix, self.vertex_ordering)
         quotient = np.inf
         for _ in range(60):
             z = factors.solve(self.mass * z)
-            z /= self._norms(z)[self.component]
+            z /= np.sqrt(np.bincount(self.component, self.mass * np.abs(z) ** 2))[self.component]
             last, quotient = quotient, _rayleigh(z, matrix)
             if last - quotient < EIGENVALUE_TOLERANCE * quotient:
                 break
         found = np.angle(z)
-        if theta is None or self.energy(found, s) < self.energy(theta, s):
-            theta = found
-        return z, self._newton(theta, s)
+        better = theta is None or self.energy(found, s) < self.energy(theta, s)
+        return z, found if better or theta is None else theta
 
-    def _norms(self, z: Complexes) -> Scalars:
-        return np.sqrt(np.bincount(self.component, self.mass * np.abs(z) ** 2))
+    def _model(self, theta: Scalars, s: Scalars) -> tuple[Scalars, Scalars, Scalars]:
+        """Convex weights (F, 3) of the quadratic model, the way downhill in theta (V,), in s / shat (F,)."""
+        residual, n = self.residual(theta, s), self.mesh.n_vertices
+        convex = self.weight * np.maximum(np.cos(residual), LEAST_COSINE)
+        pull = self.weight * np.sin(residual)
+        in_theta = np.bincount(self.tail, pull.ravel(), n) - np.bincount(self.head, pull.ravel(), n)
+        in_share = (pull * self.slope).sum(axis=1) - self.smoothness * (self.laplacian @ (s / self.unit))
+        return convex, np.asarray(in_theta, dtype=np.float64), np.asarray(in_share)
 
-    def _newton(self, theta: Scalars, s: Scalars) -> Scalars:
-        """Lower Eq. 8 in theta alone: its convex part as the matrix, the step halved until it helps."""
-        residual = self.residual(theta, s).ravel()
-        weight = self.weight.ravel()
-        convex = weight * np.maximum(np.cos(residual), 0.1)
-        pull = weight * np.sin(residual)
-        n = self.mesh.n_vertices
-        downhill = np.asarray(np.bincount(self.tail, pull, n) - np.bincount(self.head, pull, n), np.float64)
+    def improve_theta(self, theta: Scalars, s: Scalars) -> Scalars:
+        """One Gauss-Newton step of Eq. 8 in theta alone."""
+        convex, in_theta, _ = self._model(theta, s)
         assert self.vertex_ordering is not None
-        step = factorized(self._assembled(convex, convex), self.vertex_ordering).solve(downhill)
-        return _lowered(lambda length: self.energy(theta + length * step, s), theta, step)
+        matrix = self._assembled(convex.ravel(), convex.ravel())
+        step = factorized(matrix, self.vertex_ordering).solve(in_theta)
+        length = _damping(lambda length: self.energy(theta + length * step, s))
+        return theta + length * step
 
-    def update_s(self, theta: Scalars, s: Scalars) -> Scalars:
-        """One Gauss-Newton step of Eq. 8 in s, which stays above a share of its first value."""
-        share, slope = s / self.unit, self.unit[:, None] * self.along
-        stiffness = (self.weight * slope**2).sum(axis=1)
-        pull = (self.weight * slope * np.sin(self.residual(theta, s))).sum(axis=1)
-        matrix = sparse.csr_array(sparse.diags_array(stiffness) + self.smoothness * self.laplacian)
-        # The quadratic model 1/2 r' K r - (K share + gradient)' r, minimised over r >= FLOOR.
-        right = stiffness * share + pull
-        target = bounded_minimum(matrix, right, FLOOR, self.face_ordering)
-        step = target - share
-        return self.unit * _lowered(
-            lambda length: self.energy(theta, self.unit * (share + length * step)), share, step
+    def improve_both(self, theta: Scalars, s: Scalars) -> tuple[Scalars, Scalars]:
+        """One Gauss-Newton step of Eq. 8 in theta and s together; s stays above its floor."""
+        mesh, share = self.mesh, s / self.unit
+        n = mesh.n_vertices
+        convex, in_theta, in_share = self._model(theta, s)
+        face = np.tile(np.repeat(np.arange(mesh.n_faces), 3), 2)
+        mixed = (-convex * self.slope).ravel()
+        cross = sparse.csr_array(
+            (np.concatenate([mixed, -mixed]), (np.concatenate([self.head, self.tail]), face)),
+            shape=(n, mesh.n_faces),
         )
+        lower = sparse.diags_array((convex * self.slope**2).sum(axis=1)) + self.smoothness * self.laplacian
+        upper = self._assembled(convex.ravel(), convex.ravel())
+        matrix = sparse.csr_array(sparse.block_array([[upper, cross], [cross.T, lower]], format="csr"))
+        self.joint_ordering = self.joint_ordering or nested_dissection(matrix)
+        step = factorized(matrix, self.joint_ordering).solve(np.concatenate([in_theta, in_share]))
+
+        def at(length: float) -> tuple[Scalars, Scalars]:
+            return theta + length * step[:n], self.unit * np.maximum(share + length * step[n:], self.least)
+
+        return at(_damping(lambda length: self.energy(*at(length))))
+
+    def improve_s(self, theta: Scalars, s: Scalars) -> Scalars:
+        """One Gauss-Newton step of Eq. 8 in s alone, to the best s above its floor."""
+        share = s / self.unit
+        stiffness = (self.weight * self.slope**2).sum(axis=1)
+        matrix = sparse.csr_array(sparse.diags_array(stiffness) + self.smoothness * self.laplacian)
+        _, _, in_share = self._model(theta, s)
+        # The model 1/2 r' K r - (K share + downhill)' r, minimised over r >= least.
+        best = bounded_minimum(matrix, matrix @ share + in_share, self.least, self.face_ordering)
+        length = _damping(lambda length: self.energy(theta, self.unit * (share + length * (best - share))))
+        return np.asarray(self.unit * (share + length * (best - share)))
 
 
 def _rayleigh(z: Complexes, matrix: sparse.csr_array) -> float:
@@ -333,17 +370,17 @@ def _rayleigh(z: Complexes, matrix: sparse.csr_array) -> float:
     return float((z.conj() @ image).real)
 
 
-def _lowered(energy: Callable[[float], float], start: Scalars, step: Scalars) -> Scalars:
-    """Go along a step, halved until the energy is no higher than at its start; stay if that never comes."""
+def _damping(energy: Callable[[float], float]) -> float:
+    """Length of a step, halved from 1 until the energy is no higher than at its start; 0 if it never is."""
     before, length = energy(0.0), 1.0
     while length > 1e-3:
         if energy(length) <= before:
-            return start + length * step
+            return length
         length *= 0.5
-    return start
+    return 0.0
 
 
-def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: float, ordering: Ordering) -> Scalars:
+def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: Scalars, ordering: Ordering) -> Scalars:
     """Minimise ``1/2 r' K r - b' r`` over ``r >= least``, by the primal-dual active set method.
 
     For a matrix K with no positive entry off its diagonal, as here, the method ends at the exact minimiser.
@@ -352,7 +389,7 @@ def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: float, orde
     ----------
     matrix : K, symmetric positive definite, (n, n)
     right : (n,) b
-    least : the bound
+    least : (n,) the bounds
     ordering : an elimination order for K
 
     Raises
@@ -366,7 +403,7 @@ def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: float, orde
         if not active.any():
             return r
         free: Indices = np.flatnonzero(~active)
-        r = np.full(len(right), least)
+        r = least.copy()
         if len(free):
             rows = matrix[free]
             inner = rows[:, free]

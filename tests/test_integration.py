@@ -67,7 +67,7 @@ def test_a_foliation_is_positive_aligned_and_lower(name: str) -> None:
     found = foliate(field)
     assert found.s.min() > 0
     assert (np.diff(found.energies) <= 1e-12 * found.energies[0]).all()
-    assert len(found.energies) == len(found.theta_changes) + 1 == len(found.s_changes) + 1 == 11
+    assert len(found.energies) == len(found.theta_changes) + 1 == len(found.s_changes) + 1 <= 11
     # coarse meshes and few faces: what matters is that level sets follow the field at all
     assert found.alignment.median < 8.0
     singular = vertex_indices(field) != 0
@@ -132,12 +132,12 @@ def test_bounded_minimum_is_the_minimum() -> None:
         off = sparse.csr_array(graph + graph.T)
         off.setdiag(0.0)
         matrix = sparse.csr_array(off + sparse.diags_array(0.05 + rng.random(60) - off.sum(axis=1)))
-        right = rng.normal(size=60)
-        r = bounded_minimum(matrix, right, 0.1, nested_dissection(matrix))
+        right, least = rng.normal(size=60), 0.2 * rng.random(60)
+        r = bounded_minimum(matrix, right, least, nested_dissection(matrix))
         force = matrix @ r - right
-        assert r.min() >= 0.1
+        assert (r >= least).all()
         assert force.min() > -1e-9
-        np.testing.assert_allclose(force[r > 0.1 + 1e-12], 0.0, atol=1e-9)
+        np.testing.assert_allclose(force[r > least + 1e-12], 0.0, atol=1e-9)
 
 
 def test_what_is_out_of_range_is_refused() -> None:
