@@ -33,7 +33,10 @@ TITLES: dict[Method, str] = {
     "s held": "ours, s held in the joint step",
     "relative curl": "ours, s from relative curl",
 }
-"""Words for captions; the first five are the figure of the paper, the others ablations."""
+"""Words for captions; those of `PAPER` are in the figure of the paper, the others are ablations."""
+
+PAPER: tuple[Method, ...] = ("periodic", "curl-corrected", "mixed-integer", "anisotropic", "ours")
+"""The methods of Fig. 15, in its order."""
 
 ANISOTROPY = 0.001
 """alpha of the anisotropic variant in Fig. 15."""
@@ -117,7 +120,9 @@ def integrated(field: FaceField, method: Method, frequency: float) -> Integratio
     held = method == "s held"
 
     def made(factor: float) -> CircleFunction:
-        return foliate(field, scale=factor, rescaling=first, weighting=weighting, hold_s=held).circle
+        circle = foliate(field, scale=factor, rescaling=first, weighting=weighting, hold_s=held).circle
+        # On the one mesh that all methods share: each foliation cuts the same part anew.
+        return CircleFunction(w.mesh, circle.theta, circle.jumps)
 
     return Integration(method, w, part, _at_frequency(made, start, frequency))
 

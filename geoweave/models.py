@@ -42,11 +42,13 @@ MODELS = {
     "camel": Model("Camel", "", "camel"),
     "cow": Model("Cow", "cow", "cow"),
     "fertility": Model("Fertility", "", "fertility"),
+    "genus-4": Model("Genus 4 (for Fertility)", "", "genus-4", lambda: shapes.genus_g(4, faces=6_000)),
     "rocker-arm": Model("Rocker Arm", "rocker arm", "rocker-arm"),
     "rocker-arm-like": Model("Rocker (stand-in)", "rocker arm", "rocker-like", shapes.rocker_arm),
     "schwarz-p": Model("Schwarz-P", "Schwarz-P", "schwarz-p", shapes.schwarz_p),
     "sphere": Model("Sphere", "", "sphere", shapes.sphere),
     "spot": Model("Spot (for the cow)", "cow", "spot"),
+    "torus": Model("Torus", "", "torus", shapes.torus),
 }
 
 

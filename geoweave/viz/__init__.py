@@ -15,7 +15,7 @@ if sys.platform.startswith("linux"):
     # Where VTK is left to choose, it tries a display first and prints what failed, with the time of day.
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
-from geoweave.viz.charts import Drop, convergence_chart, drop_chart
+from geoweave.viz.charts import Drop, alternation_chart, convergence_chart, drop_chart
 from geoweave.viz.gallery import (
     VIEWS,
     Panel,
@@ -29,8 +29,19 @@ from geoweave.viz.periodic import Periodic, add_theta, periodic_gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
 from geoweave.viz.scene import Scene, View
-from geoweave.viz.shading import Family, Shaded, deviation_scale, shaded_gallery
-from geoweave.viz.vectors import FROM_ABOVE, Arrows, Lines, Note, Plate, face_arrows, heat_scale, plates
+from geoweave.viz.shading import Family, Shaded, deviation_scale, factor_scale, shaded_gallery
+from geoweave.viz.vectors import (
+    FROM_ABOVE,
+    Arrows,
+    Lines,
+    Note,
+    Plate,
+    face_arrows,
+    heat_scale,
+    mark,
+    plates,
+    projections,
+)
 
 __all__ = [
     "FROM_ABOVE",
@@ -49,17 +60,21 @@ __all__ = [
     "Shaded",
     "View",
     "add_theta",
+    "alternation_chart",
     "convergence_chart",
     "curl_scale",
     "curvature_scale",
     "deviation_scale",
     "drop_chart",
     "face_arrows",
+    "factor_scale",
     "heat_scale",
+    "mark",
     "mesh_digest",
     "periodic_gallery",
     "plates",
     "portrait",
+    "projections",
     "provenance",
     "publish",
     "shaded_gallery",

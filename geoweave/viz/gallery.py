@@ -27,11 +27,13 @@ VIEWS = {
     "camel": View(azimuth=68, elevation=8, up="y"),
     "cow": View(azimuth=50, elevation=12, up="y"),
     "fertility": View(azimuth=0, elevation=10, up="y"),
+    "genus-4": View(azimuth=20, elevation=35, up="z"),
     "rocker-arm": View(azimuth=225, elevation=38, up="x"),
     "rocker-like": View(azimuth=25, elevation=28, up="y"),
     "schwarz-p": View(azimuth=30, elevation=22, up="z"),
     "sphere": View(azimuth=20, elevation=25, up="z"),
     "spot": View(azimuth=128, elevation=12, up="y"),
+    "torus": View(azimuth=-15, elevation=34, up="z"),
 }
 """How each named model is looked at, standing upright."""
 

@@ -110,6 +110,11 @@ def deviation_scale(high: float = 30.0) -> Scale:
     return Scale(style.shade(), 0.0, high, "angle between level sets and field (degrees)")
 
 
+def factor_scale(high: float, label: str = "integrating factor s") -> Scale:
+    """Scale of a positive factor from zero to ``high``, dark where it is large."""
+    return Scale(style.heat(), 0.0, high, label)
+
+
 def shaded_gallery(
     panels: Sequence[Shaded],
     scale: Scale,
