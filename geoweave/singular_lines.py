@@ -31,8 +31,8 @@ class SingularLines:
     edges : (n,) the edges, indices into ``mesh.edges``
     line_of_edge : (n,) line that each belongs to, numbered from 0
     lengths : (lines,) length of the edges of each line
-    curls : (lines,) ``sum |(w_j - w_i) . e_ij|`` over its edges: the curl that sits on the line. It is zero
-        where the vectors of both sides meet the line at equal angles, as at a ridge of a distance.
+    curls : (lines,) ``sum |(w_j - w_i) . e_ij|`` over its edges: the curl that sits on the line. An edge that
+        the vectors of both sides meet at equal angles adds nothing.
     """
 
     mesh: TriMesh

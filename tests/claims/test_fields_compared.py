@@ -13,8 +13,7 @@ from geoweave.curves import Curves
 from geoweave.fields import FaceField, total_curl
 from geoweave.geodesic import geodesic_field
 from geoweave.great_circles import meridian_angle, meridian_axis
-from geoweave.mesh import TriMesh
-from geoweave.operators import curl, dirichlet_energy, gradient
+from geoweave.operators import curl, gradient
 from geoweave.rosy import smoothest_field
 from geoweave.singular_lines import singular_lines
 from geoweave.singularities import circulation, singular_vertices
@@ -116,28 +115,6 @@ def test_ours_is_globally_nearly_geodesic(name):
     curls = {method: total_curl(field) for method, field in on_the_animal(name).items()}
     assert curls["ours"] < min(curls["Dirichlet"], curls["Pottmann"])
     assert not len(crossings(lines_on(name, "ours")))
-
-
-def test_smoothness_is_not_geodesicness():
-    """4.1.4: (x, y) "is geodesic on any neighborhood of the punctured plane", but not without energy."""
-    ring = shapes.annulus(0.4, 1.0)
-    plain = FaceField.from_ambient(ring, ring.barycenters)
-    # Of w = (x, y) the curl is zero up to sampling at barycentres, and |grad w|^2 is 2 everywhere.
-    jump = np.abs(curl(ring) @ plain.values.view(np.float64)) / ring.edge_lengths[ring.interior_edges]
-    assert jump.max() < ring.mean_edge
-    assert dirichlet_energy(ring, plain.values) > ring.face_areas.sum()
-    rays = streamlines(plain)
-    assert models.bending(rays) < 0.02
-
-
-def test_quadratic_energies_do_not_see_the_vorticity():
-    """4.1.4: "near singularities, the vector field vanishes, and so does the energy density, regardless"."""
-    disk: TriMesh = shapes.disk(faces=8000)
-    source = FaceField.from_ambient(disk, disk.barycenters)
-    vortex = FaceField(disk, 1j * source.values)
-    assert dirichlet_energy(disk, vortex.values) == pytest.approx(dirichlet_energy(disk, source.values))
-    assert vorticity(vortex.normalized()) > 0.9
-    assert vorticity(source.normalized()) < 0.05
 
 
 def test_only_the_fitted_curl_is_ill_defined_near_singularities():
