@@ -74,3 +74,21 @@ def ordered_domains(field: FaceField, angle: float = WALL_ANGLE) -> Domains:
     graph = sparse.coo_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(mesh.n_faces,) * 2)
     of_face = csgraph.connected_components(graph, directed=False)[1].astype(np.int64)
     return Domains(mesh, frozen(walls), frozen(of_face))
+
+
+def worst_share(values: Scalars, part: float = 0.01) -> float:
+    """Share of the sum of ``|values|`` that the largest ``part`` of them hold: 1 if all is in one place."""
+    size = np.sort(np.abs(values))[::-1]
+    return float(size[: max(1, round(part * len(size)))].sum() / size.sum())
+
+
+def area_holding(mesh: TriMesh, density: Scalars, share: float = 0.9) -> float:
+    """Smallest part of the surface that holds a share of the integral of ``|density|`` (F,), as a part of 1.
+
+    It is near ``share`` for what is spread evenly and near 0 for what is sparse, such as the ``|delta|^2`` of
+    a sharpened field (Section 4.1.4).
+    """
+    order = np.argsort(-np.abs(density), kind="stable")
+    held = np.cumsum((mesh.face_areas * np.abs(density))[order])
+    count = int(np.searchsorted(held, share * held[-1])) + 1
+    return float(mesh.face_areas[order[:count]].sum() / mesh.face_areas.sum())

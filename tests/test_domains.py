@@ -5,7 +5,7 @@ import pytest
 from surfaces import surface
 
 from geoweave import shapes
-from geoweave.domains import ordered_domains
+from geoweave.domains import area_holding, ordered_domains, worst_share
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, random_field
 from geoweave.rosy import smoothest_field
@@ -50,6 +50,18 @@ def test_domains_are_cut_by_walls_only(name):
     # Of 180 degrees of turning only 10 join two neighbours: nearly every face stands alone.
     assert domains.effective_number > 0.6 * mesh.n_faces
     assert ordered_domains(smoothest_field(mesh), 30.0).effective_number < 2 + mesh.n_components
+
+
+def test_shares_of_what_is_even_and_of_what_is_sparse():
+    mesh = surface("disk")
+    even, sparse = np.ones(mesh.n_faces), np.where(np.arange(mesh.n_faces) < 8, -1.0, 0.0)
+    assert worst_share(even, 0.01) == pytest.approx(0.01, abs=1 / mesh.n_faces)
+    assert worst_share(sparse, 0.01) == pytest.approx(1.0)
+    assert worst_share(sparse, 0.005) == pytest.approx(0.5)
+    # One face more or less.
+    largest = mesh.face_areas.max() / mesh.face_areas.sum()
+    assert area_holding(mesh, even, 0.9) == pytest.approx(0.9, abs=largest)
+    assert area_holding(mesh, sparse, 0.9) <= mesh.face_areas[:8].sum() / mesh.face_areas.sum()
 
 
 def test_nonsense_is_refused():

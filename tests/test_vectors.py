@@ -8,7 +8,8 @@ from PIL import ImageColor
 
 from geoweave import shapes, viz
 from geoweave.errors import RenderError
-from geoweave.fields import FaceField
+from geoweave.fields import FaceField, random_field
+from geoweave.operators import ClosedFields, as_complex
 from geoweave.tracing import streamlines
 from geoweave.viz import style
 
@@ -116,6 +117,32 @@ def test_notes_and_dots_are_drawn(square):
     assert near(pixels[:half], "#0000ff").any()
     assert not near(pixels[half:], "#0000ff").any()
     assert near(pixels[half:, 300:], "#ff0000").any()
+
+
+def test_a_mark_is_centred():
+    arrow = viz.mark([0.5, 0, 0], [0, 0.2, 0], "#ff0000")
+    np.testing.assert_allclose(arrow.points + 0.5 * arrow.vectors, [[0.5, 0, 0]])
+
+
+def test_projections_are_equally_long_where_the_curl_vanishes():
+    ball = shapes.sphere(faces=500)
+    fields = ClosedFields(ball)
+    rng = np.random.default_rng(0)
+    closed = FaceField(ball, as_complex(fields.basis @ rng.normal(size=fields.basis.shape[1])))
+    vertex = int(ball.faces[0, 0])
+    for field, equal in ((closed, True), (random_field(ball, 0), False)):
+        plate = viz.projections(field, vertex)
+        vectors, left, right = plate.arrows
+        assert len(vectors.points) == (ball.faces == vertex).sum()
+        assert len(left.points) == len(right.points) == len(vectors.points)
+        assert (np.abs(left.vectors - right.vectors).max() < 1e-12) == equal
+        # Each lies on its own side of the edge, and dashes lead from tail and tip square to the edge.
+        tail_foot = plate.lines[0].what[: len(left.points)]
+        drop = tail_foot[:, 1] - tail_foot[:, 0]
+        assert np.abs(np.einsum("ex,ex->e", drop, left.vectors)).max() < 1e-12
+        side = np.einsum("ex,ex->e", left.points - tail_foot[:, 1], drop)
+        assert (side < 0).all()
+        viz.plates([plate], width=300)
 
 
 def test_the_same_arguments_give_the_same_bytes(square):

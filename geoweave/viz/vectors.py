@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Normalize, to_rgb
+from matplotlib.colors import Colormap, ListedColormap, Normalize, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
@@ -25,6 +25,7 @@ from geoweave.curves import Curves
 from geoweave.errors import RenderError
 from geoweave.fields import FaceField
 from geoweave.mesh import TriMesh
+from geoweave.part import part_of
 from geoweave.viz import style
 from geoweave.viz.gallery import Scale
 from geoweave.viz.picture import Picture, sheet
@@ -95,6 +96,12 @@ def face_arrows(
     keep = np.ones(mesh.n_faces, dtype=bool) if faces is None else faces
     thick = unit / 12.0 if width is None else width
     return Arrows(points[keep], unit * field.ambient[keep], colour, thick, label)
+
+
+def mark(point: Sequence[float], vector: Sequence[float], colour: str) -> Arrows:
+    """One bold arrow with its middle at a point: a handle (Fig. 10)."""
+    along = np.array([vector], dtype=np.float64)
+    return Arrows(np.array([point]) - 0.5 * along, along, colour, float(np.linalg.norm(along)) / 12.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,6 +185,39 @@ class Plate:
         return low - air, high + air
 
 
+def projections(
+    field: FaceField, vertex: int, title: str = "", subtitle: str = "", *, view: View | None = None
+) -> Plate:
+    """Show around a vertex what the discrete curl compares: projections on the common edges (Fig. 6, left).
+
+    Beside each edge lie the projections of the vectors on its two sides (teal and ochre), each from the foot
+    of the vector's tail to the foot of its tip. They are equally long where the curl vanishes (Eq. 3).
+    Without a view one looks along the normal of the vertex.
+    """
+    if view is None:
+        x, y, z = field.mesh.vertex_normals[vertex]
+        view = View(float(np.degrees(np.arctan2(y, x))), float(np.degrees(np.arcsin(np.clip(z, -1, 1)))))
+    fan = part_of(field.mesh, (field.mesh.faces == vertex).any(axis=1))
+    mesh, vectors = fan.mesh, 0.4 * fan.mesh.mean_edge * field.ambient[fan.faces]
+    size = mesh.mean_edge
+    spokes = mesh.interior_edges
+    along = mesh.edge_vectors[spokes] / mesh.edge_lengths[spokes, None]
+    base = mesh.vertices[mesh.edges[spokes, 0]]
+    tails = mesh.barycenters - 0.5 * vectors
+    arrows, feet = [Arrows(tails, vectors, width=0.028 * size)], []
+    for side, colour in ((0, style.FAMILIES[0]), (1, style.FAMILIES[1])):
+        face = mesh.edge_faces[spokes, side]
+        tail, vector = tails[face], vectors[face]
+        foot = base + np.einsum("ex,ex->e", tail - base, along)[:, None] * along
+        shadow = np.einsum("ex,ex->e", vector, along)[:, None] * along
+        # Face i lies to the left of its edge.
+        aside = (1 - 2 * side) * 0.03 * size * np.cross(mesh.face_normals[face], along)
+        arrows.append(Arrows(foot + aside, shadow, colour, 0.022 * size))
+        feet += [np.stack([tail, foot], axis=1), np.stack([tail + vector, foot + shadow], axis=1)]
+    dashes, dots = Lines(np.concatenate(feet), style.FAINT, dashed=True), field.mesh.vertices[[vertex]]
+    return Plate(mesh, title, subtitle, edges=True, arrows=arrows, lines=[dashes], dots=dots, view=view)
+
+
 def heat_scale(values: Scalars, label: str, percentile: float = 98.0) -> Scale:
     """Scale of magnitudes on a pale surface, from zero to a percentile of the given values."""
     high = float(np.percentile(values, percentile))
@@ -232,8 +272,18 @@ def plates(
             if scale is not None:
                 _bar(figure, scale, (top + 0.1 * high, 0.8 * high), width, height, unit)
             top += high + below + unit * GAP
-    maps = {id(scale.colormap): scale.colormap for scale in scales if scale is not None}
-    return Picture(figure, alt or ", ".join(plate.title for plate in panels), tuple(maps.values()))
+    maps: dict[int, Colormap] = {id(each.colormap): each.colormap for each in scales if each is not None}
+    words_of_all = alt or ", ".join(plate.title for plate in panels)
+    return Picture(figure, words_of_all, (*maps.values(), ListedColormap(sorted(_accents(panels)))))
+
+
+def _accents(panels: Sequence[Plate]) -> set[str]:
+    """Colours of thin things, for which the palette of a published picture must keep a place."""
+    accents = {style.INK}
+    for plate in panels:
+        accents |= {each.colour for each in plate.arrows} | {each.colour for each in plate.lines}
+        accents |= {plate.dot_colour} if plate.dots is not None else set()
+    return accents
 
 
 def _scale_of(row: Sequence[Plate]) -> Scale | None:
