@@ -131,7 +131,7 @@ def foliate(
     weighting: Weighting = "relative",
     quantile: float = QUANTILE,
     alternations: int = 10,
-    tolerance: float = 1e-6,
+    tolerance: float = 1e-4,
     hold_s: bool = False,
     smoothness: float = SMOOTHNESS,
     seed: int = 0,
@@ -336,6 +336,9 @@ class _Alternation:
         mesh, share = self.mesh, s / self.unit
         n = mesh.n_vertices
         convex, in_theta, in_share = self._model(theta, s)
+        # A face at its floor that would go below it stays where it is.
+        free = sparse.diags_array(((share > self.least * (1 + 1e-9)) | (in_share > 0)).astype(np.float64))
+        held = sparse.diags_array(1.0 - free.diagonal())
         face = np.tile(np.repeat(np.arange(mesh.n_faces), 3), 2)
         mixed = (-convex * self.slope).ravel()
         cross = sparse.csr_array(
@@ -344,9 +347,10 @@ class _Alternation:
         )
         lower = sparse.diags_array((convex * self.slope**2).sum(axis=1)) + self.smoothness * self.laplacian
         upper = self._assembled(convex.ravel(), convex.ravel())
+        cross, lower = cross @ free, free @ lower @ free + held
         matrix = sparse.csr_array(sparse.block_array([[upper, cross], [cross.T, lower]], format="csr"))
         self.joint_ordering = self.joint_ordering or nested_dissection(matrix)
-        step = factorized(matrix, self.joint_ordering).solve(np.concatenate([in_theta, in_share]))
+        step = factorized(matrix, self.joint_ordering).solve(np.concatenate([in_theta, free @ in_share]))
 
         def at(length: float) -> tuple[Scalars, Scalars]:
             return theta + length * step[:n], self.unit * np.maximum(share + length * step[n:], self.least)

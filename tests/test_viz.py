@@ -275,6 +275,15 @@ def test_the_digest_of_a_mesh_depends_on_every_number(sphere):
     assert viz.mesh_digest(TriMesh(sphere.vertices, sphere.faces)) in digests
 
 
+def test_the_chart_of_alternations_draws_three_curves():
+    energies, changes = np.geomspace(3.0, 1.0, 21), np.geomspace(1e-1, 1e-6, 20)
+    both = viz.alternation_chart(energies, changes, 0.3 * changes).pixels
+    assert (both != viz.alternation_chart(energies, changes, np.zeros(20)).pixels).any()
+    assert (both != viz.alternation_chart(energies, changes, 0.3 * changes, mark=30).pixels).any()
+    with pytest.raises(RenderError, match="one energy more"):
+        viz.alternation_chart(energies, energies, changes)
+
+
 def test_the_convergence_chart_draws_both_curves_and_the_dotted_line():
     steps = np.arange(21)
     curls, changes = 1 + 10 * np.exp(-steps / 4), 0.3 * np.exp(-steps[1:] / 5)

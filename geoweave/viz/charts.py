@@ -1,4 +1,4 @@
-"""Charts of numbers: convergence (Fig. 26), and curl before and after (Table 1)."""
+"""Charts of numbers: convergence (Figs. 14 and 26), and curl before and after (Table 1)."""
 
 from __future__ import annotations
 
@@ -69,6 +69,66 @@ def convergence_chart(
                 ha="right", va="bottom", color=style.BLUE, size=8.5,
             )  # fmt: skip
     end = f"Total curl falls from {curl[0]:.2f} to {curl[-1]:.2f} in {len(change)} iterations"
+    return Picture(figure, alt or end)
+
+
+def alternation_chart(
+    energies: ArrayLike,
+    theta_changes: ArrayLike,
+    s_changes: ArrayLike,
+    *,
+    mark: int = 10,
+    width: int = 1500,
+    height: int = 900,
+    alt: str = "",
+) -> Picture:
+    """Draw the energy of Eq. 8 (blue, bold) and the changes of theta (red, dashed) and s (green), as Fig. 14.
+
+    Parameters
+    ----------
+    energies : (n + 1,) at the start and after each alternation
+    theta_changes, s_changes : (n,) in each alternation; zeros are left out of the logarithmic axis
+    mark : the number of alternations that the paper finds sufficient, a thin line
+
+    Raises
+    ------
+    RenderError
+        If the lengths do not fit.
+    """
+    energy = np.asarray(energies, dtype=np.float64)
+    changes = [np.asarray(each, dtype=np.float64) for each in (theta_changes, s_changes)]
+    if energy.ndim != 1 or any(len(each) < 1 or len(energy) != len(each) + 1 for each in changes):
+        raise RenderError(
+            "a chart of alternations needs one energy more than changes, not "
+            f"{energy.shape}, {changes[0].shape} and {changes[1].shape}"
+        )
+    figure = sheet(width, height)
+    count = len(changes[0])
+    with style.applied():
+        left = figure.add_axes((0.10, 0.125, 0.79, 0.83))
+        right = left.twinx()
+        right.spines["right"].set_visible(True)
+        left.plot(np.arange(count + 1), energy, color=style.BLUE, linewidth=3.2)
+        left.set_ylim(0.0, 1.08 * float(energy.max()))
+        left.set_xlim(-0.01 * count, 1.01 * count)
+        left.xaxis.set_major_locator(MaxNLocator(integer=True, steps=[1, 2, 5, 10]))
+        left.set_xlabel("alternation")
+        _paint_axis(left, "left", style.BLUE, "energy (Eq. 8)")
+        names = (r"$\|\Delta\theta\|$, radians", r"$\|\Delta s\|$, share of $s$")
+        for change, name, colour, dashes in zip(
+            changes, names, (style.RED, style.GREEN), ((0, (4, 2)), "-"), strict=True
+        ):
+            positive = change > 0
+            steps = np.arange(1, count + 1)[positive]
+            right.plot(steps, change[positive], color=colour, linestyle=dashes, linewidth=1.6, label=name)
+        right.set_yscale("log")
+        right.yaxis.set_major_locator(LogLocator(numticks=8))
+        right.yaxis.set_minor_formatter(NullFormatter())
+        _paint_axis(right, "right", style.INK, "change per alternation (root mean square)")
+        right.legend(loc="upper right", labelcolor="linecolor")
+        if mark < count:
+            left.axvline(mark, color=style.FAINT, linewidth=0.9, linestyle=(0, (1, 1.8)))
+    end = f"The energy falls from {energy[0]:.3g} to {energy[-1]:.3g} in {count} alternations"
     return Picture(figure, alt or end)
 
 
