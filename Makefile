@@ -69,7 +69,7 @@ lint: $(STAMP) ## ruff and mypy, with what ruff can mend mended
 bench: $(STAMP) ## speed, memory and growth, as multiples of the limit
 	@$(PY) -m benchmarks
 
-report: $(STAMP) ## write the measured times and memory into REPRODUCING.md
+report: $(STAMP) ## write the claims into README.md, times and memory into REPRODUCING.md
 	@$(PY) -m geoweave.runner report
 
 lock: ## choose versions anew for requirements.lock (LOCKFLAGS=--upgrade for the newest)

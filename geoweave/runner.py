@@ -24,20 +24,23 @@ from pathlib import Path
 
 import nbformat
 
-from geoweave import doctor, notebooks
+from geoweave import claims, doctor, notebooks
 from geoweave.errors import GeoweaveError
 from geoweave.execution import Children, execute, interrupt_once
 from geoweave.output import replacing
 from geoweave.places import repository
 from geoweave.progress import Progress
 
-UNRELATED = frozenset({"__main__.py", "cli.py", "progress.py", "probe.py"})
+UNRELATED = frozenset({"__main__.py", "claims.py", "cli.py", "progress.py", "probe.py"})
 """Modules that no notebook imports: a change in them leaves every figure as it is."""
+
+CLAIMS = ("<!-- claims: written by make report -->", "<!-- end of claims -->")
+"""The lines of README.md between which the table of claims stands."""
 
 TIMES = ("<!-- times: written by make report -->", "<!-- end of times -->")
 """The lines of REPRODUCING.md between which the table of times stands."""
 
-__all__ = ["Result", "digest", "main", "records", "refresh", "report", "run"]
+__all__ = ["Result", "digest", "main", "records", "refresh", "report", "report_claims", "run"]
 
 
 @dataclass(frozen=True)
@@ -193,20 +196,36 @@ def report(root: Path | None = None) -> int:
     rows = records(root)
     if not rows:
         raise GeoweaveError("nothing has been executed here: run 'make figures' first")
-    page = root / "REPRODUCING.md"
-    text = page.read_text(encoding="utf-8")
-    begin, end = (text.find(line) for line in TIMES)
-    if begin < 0 or end < begin:
-        raise GeoweaveError(f"REPRODUCING.md must hold the lines '{TIMES[0]}' and '{TIMES[1]}'")
     table = ["| notebook | profile | seconds | peak memory, MB |", "|---|---|---:|---:|"]
     table += [f"| {r.name} | {r.profile} | {r.seconds:.0f} | {r.peak_mb:.0f} |" for r in rows]
     versions = doctor.versions()
     packages = ", ".join(f"{name} {versions[name]}" for name in ("numpy", "scipy", "vtk", "pyvista"))
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
     table += ["", f"Measured on {machine}, Python {platform.python_version()}, {packages}."]
-    new = text[:begin] + TIMES[0] + "\n" + "\n".join(table) + "\n" + text[end:]
-    _write(page, new.encode())
+    _insert(root / "REPRODUCING.md", TIMES, table)
     return len(rows)
+
+
+def report_claims(root: Path | None = None) -> None:
+    """Write the table of claims, paper beside ours, into README.md.
+
+    Raises
+    ------
+    GeoweaveError
+        if a claim cannot be read, or if the lines that mark the table are gone.
+    """
+    root = repository() if root is None else root.resolve()
+    _insert(root / "README.md", CLAIMS, claims.table(root))
+
+
+def _insert(page: Path, marks: tuple[str, str], lines: Sequence[str]) -> None:
+    """Put lines between the two that mark their place on a page."""
+    text = page.read_text(encoding="utf-8")
+    begin, end = (text.find(mark) for mark in marks)
+    if begin < 0 or end < begin:
+        raise GeoweaveError(f"{page.name} must hold the lines '{marks[0]}' and '{marks[1]}'")
+    new = text[:begin] + marks[0] + "\n" + "\n".join(lines) + "\n" + text[end:]
+    _write(page, new.encode())
 
 
 def _folder(root: Path, name: str, profile: str) -> Path:
@@ -292,7 +311,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     figures = commands.add_parser("figures", help="write figures/ from the notebooks that are stale")
     stored = commands.add_parser("refresh", help="store fresh outputs in notebooks/")
-    commands.add_parser("report", help="write times and memory into REPRODUCING.md")
+    commands.add_parser("report", help="write the claims into README.md, times into REPRODUCING.md")
     for command in (figures, stored):
         command.add_argument("names", nargs="*")
         command.add_argument("--jobs", type=int, default=1)
@@ -302,6 +321,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     interrupt_once()
     try:
         if options.command == "report":
+            report_claims()
             report()
             return 0
         if options.command == "figures":

@@ -54,7 +54,7 @@ LAYERS = (
     ),
     ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
     ("models of the figures", {"models"}),
-    ("the artifact", {"doctor", "execution", "notebooks", "progress", "runner"}),
+    ("the artifact", {"claims", "doctor", "execution", "notebooks", "progress", "runner"}),
     ("the command", {"__main__", "cli", "design", "terminal"}),
 )
 LEVEL = {name: level for level, (_, modules) in enumerate(LAYERS) for name in modules}
