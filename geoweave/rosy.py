@@ -1,30 +1,46 @@
-"""Fields that are as smooth as possible: where Algorithm 1 starts (Section 4.1.3, Knöppel et al. 2013)."""
+"""Fields that are as smooth as possible, of one vector or of N evenly turned ones (Knöppel et al. 2013).
+
+One vector is where Algorithm 1 starts (Section 4.1.3); N of them, an N-RoSy, say where a weave has its
+singularities (Section 5.1, Appendix D).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy import sparse
 
-from geoweave.arrays import Complexes, Indices, Scalars
+from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, edge_curl, random_field, unit
 from geoweave.linalg import factorized, nested_dissection, one_blas_thread, smallest_eigenpair
 from geoweave.mesh import TriMesh
 from geoweave.operators import connection_laplacian
+from geoweave.singularities import windings
 
 Phase: TypeAlias = Literal["least-curl", "seeded"]
 """How the common rotation is chosen that the Dirichlet energy leaves free: see `smoothest_field`."""
 
 
 @one_blas_thread()
-def smoothest_eigenfield(mesh: TriMesh, seed: int | np.random.Generator = 0) -> tuple[Scalars, FaceField]:
+def smoothest_eigenfield(
+    mesh: TriMesh, seed: int | np.random.Generator = 0, degree: int = 1
+) -> tuple[Scalars, FaceField]:
     """Solve ``L u = mu M u`` for the smallest mu: the globally smoothest face field, not yet unit.
 
-    The Dirichlet energy of Appendix B on complex face fields, least for its norm (Knöppel et al. 2013).
-    Each connected component is a problem of its own; eigenvectors are converged to working precision.
+    The Dirichlet energy of Appendix B on complex face fields, or of Appendix D on the N-th powers of the
+    vectors of an N-RoSy, least for its norm (Knöppel et al. 2013). Each connected component is a problem of
+    its own; eigenvectors are converged to working precision.
+
+    Parameters
+    ----------
+    mesh : any surface
+    seed : of the start vector
+    degree : N; 1 for a vector field
 
     Returns
     -------
@@ -33,7 +49,7 @@ def smoothest_eigenfield(mesh: TriMesh, seed: int | np.random.Generator = 0) -> 
     """
     rng = np.random.default_rng(seed)
     start: Complexes = rng.normal(size=mesh.n_faces) + 1j * rng.normal(size=mesh.n_faces)
-    laplacian = connection_laplacian(mesh)
+    laplacian = connection_laplacian(mesh, degree)
     values = np.empty(mesh.n_faces, dtype=np.complex128)
     energies = []
     for faces, block in _component_blocks(mesh, laplacian):
@@ -136,3 +152,127 @@ def diffused_field(
         if np.average(np.abs(w - previous) ** 2, weights=mesh.face_areas) < tolerance**2:
             break
     return FaceField(mesh, w)
+
+
+@dataclass(frozen=True, eq=False)
+class RoSyField:
+    """N unit vectors on every face, each an N-th of a turn from the next (Appendix D).
+
+    Attributes
+    ----------
+    mesh : the surface
+    degree : N >= 1
+    values : (F,) complex128, read-only: the N-th power of any of the vectors, of modulus 1
+
+    Raises
+    ------
+    FieldError
+        If the degree is not positive or the values are not one unit number per face.
+    """
+
+    mesh: TriMesh
+    degree: int
+    values: Complexes
+
+    def __post_init__(self) -> None:
+        values = np.array(self.values, dtype=np.complex128)
+        if self.degree < 1:
+            raise FieldError(f"an N-RoSy has N >= 1 vectors on a face, not {self.degree}")
+        if values.shape != (self.mesh.n_faces,):
+            raise FieldError(
+                f"an N-RoSy needs one number per face, ({self.mesh.n_faces},), not {values.shape}"
+            )
+        off = ~(np.abs(np.abs(values) - 1.0) < 1e-6)
+        if off.any():
+            bad = int(np.flatnonzero(off)[0])
+            raise FieldError(
+                f"the number of the N-RoSy on face {bad} has modulus {abs(values[bad]):.6g}, not 1"
+            )
+        object.__setattr__(self, "values", frozen(values / np.abs(values)))
+
+    @cached_property
+    def vectors(self) -> Complexes:
+        """(F, N) the vectors, counter-clockwise: ``w_k = exp(i (arg(value) + 2 pi k) / N)``."""
+        turn = np.exp(2j * np.pi * np.arange(self.degree) / self.degree)
+        return frozen(np.exp(1j * np.angle(self.values) / self.degree)[:, None] * turn)
+
+    @cached_property
+    def matching(self) -> Indices:
+        """(E_int,) shift sigma: vector k of face i goes to vector ``(k + sigma) mod N`` of face j.
+
+        The permutation of least summed squared angle between corresponding vectors (Section 5.1). Unfolded,
+        two N-RoSys differ by one rotation of at most pi / N; it takes each vector to the nearest, so the best
+        of all N! permutations is a cyclic shift.
+        """
+        i, j = self.mesh.edge_faces[self.mesh.interior_edges].T
+        first = self.vectors[:, 0]
+        ahead = np.angle(self.mesh.transport * first[i] * first[j].conj())
+        return frozen(np.rint(ahead * self.degree / (2.0 * np.pi)).astype(np.int64) % self.degree)
+
+    @cached_property
+    def _winding(self) -> Scalars:
+        """(V,) N times the turns of the N vectors round each vertex, matched edge by edge."""
+        i, j = self.mesh.edge_faces[self.mesh.interior_edges].T
+        first = self.vectors[:, 0]
+        matched = first[j] * np.exp(2j * np.pi * self.matching / self.degree)
+        turn = np.angle(matched * (self.mesh.transport * first[i]).conj())
+        return windings(self.mesh, self.degree * turn, self.degree)
+
+    @cached_property
+    def index_numerators(self) -> Indices:
+        """(V,) N times the index at each interior vertex, zero where the RoSy is regular and on the boundary.
+
+        The index is the number of turns that a vector makes on its way round the vertex, followed from face
+        to face by the matching: a multiple of 1 / N.
+        """
+        numerators = np.rint(self._winding).astype(np.int64)
+        numerators[self.mesh.boundary_vertices] = 0
+        return frozen(numerators)
+
+    @cached_property
+    def boundary_numerators(self) -> Indices:
+        """(loops,) N times the index of each boundary loop, relative to the loop's tangent.
+
+        In the order of `TriMesh.boundary_loops`. Together with `index_numerators` they sum to N chi.
+        """
+        loops = [np.rint(self._winding[loop].sum()) for loop in self.mesh.boundary_loops]
+        return frozen(np.array(loops, dtype=np.int64))
+
+    @property
+    def branch_points(self) -> Indices:
+        """Interior vertices round which the matchings do not compose to the identity (Section 5.1).
+
+        Going once round, vector k comes back as vector ``k + numerator``: a branch point is a vertex whose
+        index is not whole. One of whole index is an ordinary singularity on every sheet of the cover.
+        """
+        return frozen(np.flatnonzero(self.branching))
+
+    @property
+    def branching(self) -> Flags:
+        """(V,) whether each vertex is a branch point."""
+        return np.asarray(self.index_numerators % self.degree != 0)
+
+
+def smoothest_rosy(mesh: TriMesh, degree: int = 6, seed: int | np.random.Generator = 0) -> RoSyField:
+    """Compute the globally smoothest N-RoSy on the faces (Appendix D, Knöppel et al. 2013).
+
+    ``argmin |grad w*|^2 subject to |w*|^2 = 1`` over the representative ``w* = w^N``, the true smallest
+    eigenvector of each component, then scaled to modulus 1. A common rotation of all vectors is left free
+    by the energy, and by the sum of squared curls over all N vectors where N > 2; the seed decides it.
+
+    Parameters
+    ----------
+    mesh : any surface
+    degree : N: 6 for a triaxial weave, 4 for a biaxial one
+    seed : of the start vector; where the smallest eigenvalue is multiple, as on the sphere, it also decides
+        where the singularities lie
+
+    Raises
+    ------
+    FieldError
+        If the degree is not positive.
+    """
+    if degree < 1:
+        raise FieldError(f"an N-RoSy has N >= 1 vectors on a face, not {degree}")
+    _, field = smoothest_eigenfield(mesh, seed, degree)
+    return RoSyField(mesh, degree, unit(field.values))

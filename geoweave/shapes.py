@@ -31,8 +31,24 @@ _ROW = np.sqrt(3.0) / 2.0
 """Height of an equilateral triangle of side one."""
 
 
-def icosahedron() -> TriMesh:
-    """Build the regular icosahedron with its 12 vertices on the unit sphere."""
+def icosahedron(faces: int = 20) -> TriMesh:
+    """Build the regular icosahedron with its 12 vertices on the unit sphere.
+
+    Parameters
+    ----------
+    faces : wanted number; each flat side is cut into n^2 triangles, the nearest 20 n^2 is taken
+
+    Raises
+    ------
+    MeshError
+        If fewer than 20 faces are asked for.
+    """
+    _at_least(faces, 20)
+    points, triangles = _icosahedral(max(1, round(np.sqrt(faces / 20))))
+    return TriMesh(points, triangles)
+
+
+def _icosahedron() -> tuple[Vectors, Triangles]:
     corners = [(0.0, s, t * _GOLDEN) for s in (-1, 1) for t in (-1, 1)]
     vertices = np.array([np.roll(corner, turn) for turn in range(3) for corner in corners])
     side = np.linalg.norm(vertices[:, None] - vertices[None], axis=2)
@@ -44,7 +60,7 @@ def icosahedron() -> TriMesh:
     )
     inward = np.einsum("fx,fx->f", normal, vertices[faces[:, 0]]) < 0
     faces[inward] = faces[inward][:, [0, 2, 1]]
-    return TriMesh(vertices / np.hypot(1.0, _GOLDEN), faces)
+    return vertices / np.hypot(1.0, _GOLDEN), faces
 
 
 def sphere(faces: int = 20_480, *, subdivisions: int | None = None) -> TriMesh:
@@ -62,7 +78,13 @@ def sphere(faces: int = 20_480, *, subdivisions: int | None = None) -> TriMesh:
     """
     _at_least(faces, 20)
     n = 2**subdivisions if subdivisions is not None else max(1, round(np.sqrt(faces / 20)))
-    base = icosahedron()
+    points, triangles = _icosahedral(n, bent=True)
+    return TriMesh(points / np.linalg.norm(points, axis=1, keepdims=True), triangles)
+
+
+def _icosahedral(n: int, *, bent: bool = False) -> tuple[Vectors, Triangles]:
+    """The icosahedron with each edge cut into n parts: evenly, or as suits a projection to the sphere."""
+    corners, sides = _icosahedron()
     # Barycentric grid on each face of the icosahedron; points on shared edges are welded below.
     i, j = np.nonzero(np.add.outer(np.arange(n + 1), np.arange(n + 1)) <= n)
     weights = np.stack([n - i - j, i, j], axis=1)
@@ -73,16 +95,15 @@ def sphere(faces: int = 20_480, *, subdivisions: int | None = None) -> TriMesh:
     local = np.concatenate([up, down])
     local = local[(local >= 0).all(axis=1)]
     # A point is named by its corners and weights, the same from either side of an edge.
-    corners = base.faces[:, None, :]
     present = np.broadcast_to(weights, (20, *weights.shape)) > 0
-    name = np.where(present, corners * (n + 1) + weights, -1)
+    name = np.where(present, sides[:, None, :] * (n + 1) + weights, -1)
     name = np.sort(name.reshape(-1, 3), axis=1)
     key = (name[:, 0] + 1) * (13 * (n + 1)) ** 2 + (name[:, 1] + 1) * 13 * (n + 1) + name[:, 2]
     _, first, welded = np.unique(key, return_index=True, return_inverse=True)
-    points = np.einsum("pc,fcx->fpx", _bent(weights / n), base.vertices[base.faces]).reshape(-1, 3)[first]
-    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    share = _bent(weights / n) if bent else weights / n
+    points = np.einsum("pc,fcx->fpx", share, corners[sides]).reshape(-1, 3)[first]
     triangles = (local[None] + len(weights) * np.arange(20)[:, None, None]).reshape(-1, 3)
-    return TriMesh(points, welded.reshape(-1)[triangles])
+    return points, welded.reshape(-1)[triangles]
 
 
 def _bent(weights: Vectors) -> Vectors:

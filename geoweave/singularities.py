@@ -7,6 +7,7 @@ from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.fields import FaceField
+from geoweave.mesh import TriMesh
 
 
 def rotation_across(field: FaceField) -> Scalars:
@@ -21,14 +22,23 @@ def rotation_across(field: FaceField) -> Scalars:
     return np.angle(field.values[j] * (mesh.transport * field.values[i]).conj())
 
 
-def _turning(field: FaceField) -> Scalars:
-    """(V,) turns of the field round each vertex: the angle defect and the turns across its edges, / 2 pi."""
-    mesh = field.mesh
-    turn = rotation_across(field)
+def windings(mesh: TriMesh, turn: Scalars, degree: int = 1) -> Scalars:
+    """Full turns of a section round each vertex, ``(N angle defect + sum of its turns) / 2 pi``.
+
+    Parameters
+    ----------
+    mesh : the surface
+    turn : (E_int,) turn across each interior edge, from face i to face j, beyond parallel transport
+    degree : N, when what turns is the N-th power of a vector; its turns are N times those of the vector
+
+    Returns
+    -------
+    (V,) an integer, but for rounding, at interior vertices. Over a boundary loop the values sum to one.
+    """
     # Face i lies to the left of its edge, so crossing from i to j goes counter-clockwise round the head.
     tail, head = mesh.edges[mesh.interior_edges].T
     across = np.bincount(head, turn, mesh.n_vertices) - np.bincount(tail, turn, mesh.n_vertices)
-    return (mesh.angle_defects + across) / (2.0 * np.pi)
+    return (degree * mesh.angle_defects + across) / (2.0 * np.pi)
 
 
 def vertex_indices(field: FaceField) -> Indices:
@@ -41,7 +51,7 @@ def vertex_indices(field: FaceField) -> Indices:
     -------
     (V,) int64, zero on boundary vertices
     """
-    indices = np.rint(_turning(field)).astype(np.int64)
+    indices = np.rint(windings(field.mesh, rotation_across(field))).astype(np.int64)
     indices[field.mesh.boundary_vertices] = 0
     return frozen(indices)
 
@@ -57,7 +67,7 @@ def boundary_indices(field: FaceField) -> Indices:
     -------
     (loops,) int64
     """
-    turning = _turning(field)
+    turning = windings(field.mesh, rotation_across(field))
     return frozen(np.array([np.rint(turning[loop].sum()) for loop in field.mesh.boundary_loops], np.int64))
 
 

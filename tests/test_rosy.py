@@ -1,14 +1,18 @@
 from __future__ import annotations
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 from surfaces import ALL, surface
 
+from geoweave import models, shapes
+from geoweave.errors import FieldError
 from geoweave.fields import FaceField, edge_curl, total_curl
 from geoweave.mesh import TriMesh
 from geoweave.operators import connection_laplacian, dirichlet_energy
-from geoweave.rosy import diffused_field, smoothest_eigenfield, smoothest_field
-from geoweave.singularities import singular_vertices, vertex_indices
+from geoweave.rosy import RoSyField, diffused_field, smoothest_eigenfield, smoothest_field, smoothest_rosy
+from geoweave.singularities import boundary_indices, singular_vertices, vertex_indices
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -95,3 +99,143 @@ def test_diffused_field_is_smooth_and_stands_still():
     assert dirichlet_energy(mesh, field.values) < 1.5 * smoothest
     again = diffused_field(mesh, iterations=2000)
     np.testing.assert_allclose(again.values, field.values, atol=1e-3)
+
+
+def index_sum(rosy: RoSyField) -> int:
+    return int(rosy.index_numerators.sum() + rosy.boundary_numerators.sum())
+
+
+@pytest.mark.parametrize("degree", [2, 5, 6])
+@pytest.mark.parametrize("name", ["jagged sphere", "two pieces", "Schwarz-P"])
+def test_rosy_is_the_converged_smallest_eigenvector(name, degree):
+    mesh = surface(name)
+    mu, field = smoothest_eigenfield(mesh, 0, degree)
+    laplacian = connection_laplacian(mesh, degree)
+    residual = laplacian @ field.values - mu[mesh.face_components] * mesh.face_areas * field.values
+    assert np.abs(residual).max() < 1e-9
+    rosy = smoothest_rosy(mesh, degree)
+    turned = rosy.values * (field.values / np.abs(field.values)).conj()
+    np.testing.assert_allclose(turned, 1.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("degree", [2, 5, 6])
+def test_rosy_eigenvalue_is_the_smallest_of_a_dense_solver(degree):
+    mesh = shapes.torus(faces=300)
+    root = 1 / np.sqrt(mesh.face_areas)
+    dense = root[:, None] * connection_laplacian(mesh, degree).toarray() * root
+    mu, _ = smoothest_eigenfield(mesh, 0, degree)
+    assert mu[0] == pytest.approx(np.linalg.eigvalsh(dense)[0], abs=1e-9)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 4, 5, 6, 7])
+@pytest.mark.parametrize("name", ALL)
+def test_rosy_indices_sum_to_the_euler_characteristic(name, degree):
+    """Hopf: the numerators sum to N chi, whatever the RoSy; a random one has hundreds of branch points."""
+    mesh = surface(name)
+    smooth = smoothest_rosy(mesh, degree)
+    angle = np.random.default_rng(degree).uniform(0, 2 * np.pi, mesh.n_faces)
+    for rosy in (smooth, RoSyField(mesh, degree, np.exp(1j * angle))):
+        assert index_sum(rosy) == degree * mesh.euler_characteristic
+        assert set(rosy.branch_points) <= set(np.flatnonzero(rosy.index_numerators))
+
+
+def test_degree_one_is_a_vector_field():
+    mesh = surface("Schwarz-P")
+    rosy = smoothest_rosy(mesh, 1)
+    field = FaceField(mesh, rosy.values)
+    np.testing.assert_array_equal(rosy.index_numerators, vertex_indices(field))
+    np.testing.assert_array_equal(rosy.boundary_numerators, boundary_indices(field))
+    assert not len(rosy.branch_points)
+
+
+def test_vectors_are_evenly_turned_roots():
+    rosy = smoothest_rosy(surface("jagged sphere"), 5)
+    np.testing.assert_allclose(rosy.vectors**5, np.repeat(rosy.values[:, None], 5, axis=1), atol=1e-12)
+    np.testing.assert_allclose(rosy.vectors[:, 1:] / rosy.vectors[:, :-1], np.exp(2j * np.pi / 5), atol=1e-12)
+
+
+@pytest.mark.parametrize("degree", [3, 4])
+def test_matching_is_the_best_of_all_permutations(degree):
+    """Section 5.1: the permutation that minimises the sum of squared angles between matched vectors."""
+    mesh = surface("torus")
+    angle = np.random.default_rng(0).uniform(0, 2 * np.pi, mesh.n_faces)
+    rosy = RoSyField(mesh, degree, np.exp(1j * angle))
+    i, j = mesh.edge_faces[mesh.interior_edges].T
+    unfolded = mesh.transport[:, None] * rosy.vectors[i]
+
+    def cost(permutation):
+        return (np.angle(np.take_along_axis(rosy.vectors[j], permutation, 1) * unfolded.conj()) ** 2).sum(1)
+
+    everyone = np.ones((len(i), 1), dtype=int)
+    best = np.min([cost(everyone * np.array(p)) for p in permutations(range(degree))], axis=0)
+    ours = cost((np.arange(degree) + rosy.matching[:, None]) % degree)
+    np.testing.assert_allclose(ours, best, rtol=1e-9)
+
+
+def test_matchings_compose_round_a_vertex_to_its_numerator():
+    """Walking once round each vertex by hand, sheet 0 ends on the sheet that the index says."""
+    rosy = smoothest_rosy(surface("jagged sphere"), 6)
+    mesh = rosy.mesh
+    shift = np.zeros(mesh.n_edges, dtype=int)
+    shift[mesh.interior_edges] = rosy.matching
+    for vertex in [*rosy.branch_points, *range(20)]:
+        start = face = int(np.flatnonzero((mesh.faces == vertex).any(axis=1))[0])
+        sheet = 0
+        while True:
+            # counter-clockwise: leave over the edge that ends in the vertex
+            k = int(np.flatnonzero(mesh.faces[face] == vertex)[0])
+            side = (k + 1) % 3
+            edge = mesh.face_edges[face, side]
+            forward = mesh.edge_faces[edge, 0] == face
+            sheet += shift[edge] if forward else -shift[edge]
+            face = int(mesh.face_neighbors[face, side])
+            if face == start:
+                break
+        assert (sheet - rosy.index_numerators[vertex]) % 6 == 0
+        assert (sheet % 6 != 0) == (vertex in rosy.branch_points)
+
+
+@pytest.mark.parametrize("degree", [4, 5, 6])
+def test_sphere_has_the_fewest_branch_points(degree):
+    """Fig. 21: a smoothest N-RoSy of a sphere has 2 N of them, of index 1 / N: 8, 10 and 12."""
+    for seed in range(3):
+        rosy = smoothest_rosy(surface("sphere"), degree, seed)
+        assert len(rosy.branch_points) == 2 * degree
+        np.testing.assert_array_equal(rosy.index_numerators[rosy.branch_points], 1)
+
+
+@pytest.mark.parametrize("faces", [20, 720])
+def test_icosahedron_branches_at_its_corners(faces):
+    mesh = shapes.icosahedron(faces)
+    rosy = smoothest_rosy(mesh, 6)
+    assert len(rosy.branch_points) == 12
+    np.testing.assert_allclose(mesh.angle_defects[rosy.branch_points], np.pi / 3, atol=1e-9)
+    mu, _ = smoothest_eigenfield(mesh, 0, 6)
+    # parallel along every face: no energy at all
+    assert abs(mu[0]) < 1e-9
+
+
+def test_flat_surfaces_need_no_branch_points():
+    assert not len(smoothest_rosy(surface("annulus"), 6).branch_points)
+
+
+def test_bunny_rosy_sums_to_twelve_sixths():
+    rosy = smoothest_rosy(models.load("bunny"), 6)
+    assert index_sum(rosy) == rosy.index_numerators.sum() == 12
+    assert set(np.abs(rosy.index_numerators)) <= {0, 1, 2}
+
+
+@pytest.mark.parametrize("bad", [0, -6])
+def test_degrees_that_cannot_be_are_refused(bad):
+    with pytest.raises(FieldError, match="N >= 1"):
+        smoothest_rosy(surface("disk"), bad)
+    with pytest.raises(FieldError, match="N >= 1"):
+        RoSyField(surface("disk"), bad, np.ones(surface("disk").n_faces))
+
+
+def test_values_that_are_no_rosy_are_refused():
+    mesh = surface("disk")
+    with pytest.raises(FieldError, match="one number per face"):
+        RoSyField(mesh, 6, np.ones(3))
+    with pytest.raises(FieldError, match="modulus 2, not 1"):
+        RoSyField(mesh, 6, np.full(mesh.n_faces, 2.0))
