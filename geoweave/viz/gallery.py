@@ -33,7 +33,7 @@ VIEWS = {
     "schwarz-p": View(azimuth=30, elevation=22, up="z"),
     "sphere": View(azimuth=20, elevation=25, up="z"),
     "spot": View(azimuth=128, elevation=12, up="y"),
-    "torus": View(azimuth=-15, elevation=34, up="z"),
+    "torus": View(azimuth=-38, elevation=-34, up="z"),
 }
 """How each named model is looked at, standing upright."""
 

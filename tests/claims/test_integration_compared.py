@@ -14,6 +14,7 @@ from geoweave.alignment import Alignment
 from geoweave.compared import PAPER, Method, integrated
 from geoweave.fields import FaceField, random_field
 from geoweave.geodesic import geodesic_field
+from geoweave.integration import foliate
 from geoweave.rosy import smoothest_field
 
 SURFACES = ("torus", "genus 4")
@@ -65,3 +66,16 @@ def test_local_curl_correction_does_not_help(name: str) -> None:
     corrected = measured(name, "curl-corrected")
     assert corrected.mean > 1.2 * measured(name, "ours").mean
     assert corrected.mean > measured(name, "periodic").mean
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_at_half_a_turn_per_edge_ours_breaks_fewest_level_sets(name: str) -> None:
+    """Footnote 4: where s is scaled until the steepest edge holds half a turn, ours has few dislocations.
+
+    A factor that varies then has fewer level sets, too: at equal frequency it is not so (Fig. 15).
+    """
+    ours = foliate(field(name), quantile=1.0)
+    plain = foliate(field(name), quantile=1.0, rescaling=None, weighting="uniform")
+    # Measured 0 against 68 on the torus, 0 against 97 on genus 4.
+    assert ours.alignment.dislocations <= 5
+    assert plain.alignment.dislocations > 20
