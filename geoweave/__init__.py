@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from geoweave import datasets, models, shapes
 from geoweave.circle import CircleFunction
+from geoweave.cover import Cover, branched_cover
 from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import DataError, FieldError, GeoweaveError, MeshError
 from geoweave.fields import FaceField, Handles, random_field, signed_curl, total_curl
@@ -18,13 +19,14 @@ from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
 from geoweave.prepare import read_mesh
 from geoweave.remesh import isotropic_remesh
-from geoweave.rosy import diffused_field, smoothest_field
+from geoweave.rosy import RoSyField, diffused_field, smoothest_field, smoothest_rosy
 from geoweave.singularities import circulation, index_sum, singular_vertices, vertex_indices
 from geoweave.straightest import Crossings, crossings, straightest
 from geoweave.tracing import streamlines
 
 __all__ = [
     "CircleFunction",
+    "Cover",
     "Crossings",
     "Curves",
     "DataError",
@@ -35,7 +37,9 @@ __all__ = [
     "GeoweaveError",
     "Handles",
     "MeshError",
+    "RoSyField",
     "TriMesh",
+    "branched_cover",
     "circulation",
     "crossings",
     "datasets",
@@ -54,6 +58,7 @@ __all__ = [
     "signed_curl",
     "singular_vertices",
     "smoothest_field",
+    "smoothest_rosy",
     "straightest",
     "streamlines",
     "total_curl",

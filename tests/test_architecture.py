@@ -53,6 +53,7 @@ LAYERS = (
         {"alignment", "compared", "curl_correction", "integration", "mixed_integer", "rescaling"},
     ),
     ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
+    ("covers", {"cover"}),
     ("models of the figures", {"models"}),
     ("the artifact", {"claims", "doctor", "execution", "notebooks", "progress", "runner"}),
     ("the command", {"__main__", "cli", "design", "terminal"}),
