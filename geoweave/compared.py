@@ -13,11 +13,14 @@ from geoweave.arrays import Scalars
 from geoweave.circle import CircleFunction
 from geoweave.curl_correction import curl_corrected_scale
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
+from geoweave.fields import FaceField, random_field
+from geoweave.geodesic import geodesic_field
 from geoweave.integration import QUANTILE, Weighting, foliate, global_scale, punctured
+from geoweave.mesh import TriMesh
 from geoweave.mixed_integer import mixed_integer_parameterization
 from geoweave.part import Part
 from geoweave.rescaling import integrating_factor
+from geoweave.rosy import smoothest_field
 
 Method: TypeAlias = Literal[
     "periodic", "curl-corrected", "mixed-integer", "anisotropic", "ours", "s held", "relative curl"
@@ -43,6 +46,13 @@ ANISOTROPY = 0.001
 
 CLOSE, ROUNDS = 0.04, 5
 """A frequency this close to the wanted one is taken; the scale is corrected at most so often."""
+
+
+Start: TypeAlias = Literal["smoothest", "random"]
+"""Where Algorithm 1 starts: see `geodesic_from`."""
+
+RANDOM_SMOOTHNESS = (1e-2, 1e-3, 1e-5)
+"""Levels of lambda from a random start, small enough to keep some singularities; squared bounding radii."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +81,38 @@ class Integration:
     def frequency(self) -> float:
         """Area mean of ``|grad theta|``, radians / length."""
         return steepness(self.circle)
+
+    @property
+    def row(self) -> dict[str, str | float]:
+        """The measures under the names of the columns of Fig. 15's table."""
+        fit = self.alignment
+        return {
+            "method": TITLES[self.method],
+            "mean": fit.mean,
+            "median": fit.median,
+            "p95": fit.p95,
+            "spacing spread": fit.spacing_spread,
+            "dislocations": fit.dislocations,
+            "frequency": self.frequency,
+        }
+
+
+def geodesic_from(mesh: TriMesh, start: Start, seed: int = 0) -> FaceField:
+    """Run Algorithm 1 from the smoothest field, or from a random one with little smoothing.
+
+    From its smoothest field a torus gets the circles round its tube, without a singularity, and every
+    method integrates them; from a random one, singularities and domain walls are left.
+
+    Raises
+    ------
+    FieldError
+        If there is no such start.
+    """
+    if start == "smoothest":
+        return geodesic_field(smoothest_field(mesh, seed)).field
+    if start == "random":
+        return geodesic_field(random_field(mesh, seed), smoothness=RANDOM_SMOOTHNESS).field
+    raise FieldError(f"there is no start '{start}': smoothest or random")
 
 
 def steepness(circle: CircleFunction) -> float:

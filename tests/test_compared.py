@@ -3,19 +3,19 @@
 import numpy as np
 import pytest
 
+from geoweave import models
 from geoweave.alignment import alignment
 from geoweave.circle import TURN
-from geoweave.compared import TITLES, Method, integrated, steepness
+from geoweave.compared import TITLES, Method, geodesic_from, integrated, steepness
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField
-from geoweave.geodesic import geodesic_field
 from geoweave.integration import punctured
 from geoweave.isolines import isolines
 from geoweave.mixed_integer import mixed_integer_parameterization
-from geoweave.rosy import smoothest_field
+from geoweave.singularities import singular_vertices
 from tests.surfaces import surface
 
-SPHERE = geodesic_field(smoothest_field(surface("sphere"))).field
+SPHERE = geodesic_from(surface("sphere"), "smoothest")
 
 
 @pytest.mark.parametrize("method", TITLES)
@@ -27,7 +27,10 @@ def test_one_surface_and_one_frequency_for_all(method: Method) -> None:
     np.testing.assert_array_equal(found.field.values, field.values)
     assert found.circle.mesh is found.part.mesh
     assert found.frequency == pytest.approx(15.0, rel=0.06)
-    assert found.alignment == alignment(found.field, found.circle)
+    fit = alignment(found.field, found.circle)
+    assert found.alignment == fit
+    assert found.row["mean"] == fit.mean
+    assert found.row["method"] == TITLES[method]
     if method in ("mixed-integer", "anisotropic"):
         assert found.alignment.dislocations == 0
 
@@ -41,8 +44,16 @@ def test_frequency_is_the_length_of_level_sets_per_area() -> None:
     assert TURN * length / circle.mesh.face_areas.sum() == pytest.approx(steepness(circle), rel=0.01)
 
 
+def test_a_torus_has_singularities_from_a_random_start_only() -> None:
+    ring = models.load("torus")
+    assert not len(singular_vertices(geodesic_from(ring, "smoothest")))
+    assert len(singular_vertices(geodesic_from(ring, "random")))
+
+
 def test_bad_input_is_refused() -> None:
     with pytest.raises(FieldError, match="no method 'best'"):
         integrated(SPHERE, "best", 3.0)  # type: ignore[arg-type]
+    with pytest.raises(FieldError, match="no start 'cold'"):
+        geodesic_from(SPHERE.mesh, "cold")  # type: ignore[arg-type]
     with pytest.raises(FieldError, match="positive and finite, not 0"):
         integrated(FaceField(SPHERE.mesh, SPHERE.values), "ours", 0.0)

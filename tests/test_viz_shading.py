@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from geoweave import shapes, viz
+from geoweave.compared import geodesic_from, integrated
 from geoweave.errors import RenderError
 from geoweave.fields import FaceField
 from geoweave.tracing import streamlines
@@ -51,6 +52,16 @@ def test_curves_legend_and_bar_are_drawn() -> None:
         colour = 255 * np.array(SCALE.colormap(end)[:3])
         assert (np.abs(foot - colour).max(axis=1) < 12).any()
     assert "ball" in picture.alt
+
+
+def test_panel_of_a_method_shows_its_deviation_and_its_level_sets() -> None:
+    field = geodesic_from(BALL, "smoothest")
+    result = integrated(field, "mixed-integer", 15.0)
+    panel = viz.deviation_panel(result, streamlines(field, separation=0.3), viz.View())
+    assert panel.values is not None
+    np.testing.assert_array_equal(np.isfinite(panel.values), result.part.kept)
+    assert [family.curves.mesh is BALL for family in panel.families] == [True, True]
+    assert f"{result.alignment.mean:.1f}° off" in panel.subtitle
 
 
 def test_a_gallery_has_no_empty_panel_and_no_wrong_shape() -> None:

@@ -29,7 +29,14 @@ from geoweave.viz.periodic import Periodic, add_theta, periodic_gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
 from geoweave.viz.scene import Scene, View
-from geoweave.viz.shading import Family, Shaded, deviation_scale, factor_scale, shaded_gallery
+from geoweave.viz.shading import (
+    Family,
+    Shaded,
+    deviation_panel,
+    deviation_scale,
+    factor_scale,
+    shaded_gallery,
+)
 from geoweave.viz.vectors import (
     FROM_ABOVE,
     Arrows,
@@ -64,6 +71,7 @@ __all__ = [
     "convergence_chart",
     "curl_scale",
     "curvature_scale",
+    "deviation_panel",
     "deviation_scale",
     "drop_chart",
     "face_arrows",

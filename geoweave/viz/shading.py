@@ -13,9 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
+from geoweave.alignment import deviation
 from geoweave.arrays import Indices, Scalars
-from geoweave.curves import Curves
+from geoweave.compared import TITLES, Integration
+from geoweave.curves import Curves, lifted
 from geoweave.errors import RenderError
+from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
 from geoweave.viz import style
 from geoweave.viz.gallery import VIEWS, Scale
@@ -108,6 +111,32 @@ def _at_vertices(mesh: TriMesh, values: Scalars | None) -> Scalars | None:
 def deviation_scale(high: float = 30.0) -> Scale:
     """Scale of the angle between level sets and field: black where they are aligned, as in Fig. 15."""
     return Scale(style.shade(), 0.0, high, "angle between level sets and field (degrees)")
+
+
+def deviation_panel(result: Integration, lines: Curves, view: View | str) -> Shaded:
+    """Panel of one method of Fig. 15: streamlines blue, level sets purple, shaded by their deviation.
+
+    Parameters
+    ----------
+    result : the method's theta
+    lines : streamlines of the field
+    view : where from
+    """
+    fit, mesh = result.alignment, result.part.whole
+    angle = np.full(mesh.n_faces, np.nan)
+    angle[result.part.faces] = deviation(result.field, result.circle)
+    leaves = lifted(isolines(result.circle), result.part)
+    return Shaded(
+        mesh,
+        angle,
+        title=TITLES[result.method],
+        subtitle=f"{fit.mean:.1f}° off, spread {fit.spacing_spread:.2f}, {fit.dislocations} dislocations",
+        families=[
+            Family(lines, style.FIELD_LINES, "streamlines of the field", 0.003),
+            Family(leaves, style.LEVEL_LINES, "level sets of θ", 0.0045),
+        ],
+        view=view,
+    )
 
 
 def factor_scale(high: float, label: str = "integrating factor s") -> Scale:

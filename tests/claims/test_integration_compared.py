@@ -11,22 +11,17 @@ import pytest
 
 from geoweave import shapes
 from geoweave.alignment import Alignment
-from geoweave.compared import PAPER, Method, integrated
-from geoweave.fields import FaceField, random_field
-from geoweave.geodesic import geodesic_field
+from geoweave.compared import PAPER, Method, geodesic_from, integrated
+from geoweave.fields import FaceField
 from geoweave.integration import foliate
-from geoweave.rosy import smoothest_field
 
 SURFACES = ("torus", "genus 4")
 
 
 @cache
 def field(name: str) -> FaceField:
-    if name == "torus":
-        # From its smoothest field a torus gets circles round its tube, which every method integrates.
-        ring = shapes.torus(faces=6000).normalized()[0]
-        return geodesic_field(random_field(ring, 0), smoothness=[1e-2, 1e-3, 1e-5]).field
-    return geodesic_field(smoothest_field(shapes.genus_g(4, faces=6000).normalized()[0])).field
+    mesh = shapes.torus(faces=6000) if name == "torus" else shapes.genus_g(4, faces=6000)
+    return geodesic_from(mesh.normalized()[0], "random" if name == "torus" else "smoothest")
 
 
 @cache
