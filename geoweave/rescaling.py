@@ -33,7 +33,7 @@ Method: TypeAlias = Literal["logarithm", "eigenvector"]
 SMOOTHNESS = {"eigenvector": 1e-4, "logarithm": 2e-4}
 """mu of Eq. 7, "in all of our examples", and of its logarithm, in squared bounding radii."""
 
-LEAST_SMOOTHNESS = 1 / 3
+LEAST_SMOOTHNESS = 0.25
 """mu of the logarithm is at least so many squared mean edges: below, a coarse mesh has s follow its noise."""
 
 POWER_STEPS = 10
@@ -93,7 +93,7 @@ def integrating_factor(
     field : the field w, on a surface without its singular vertices
     method : see above
     smoothness : mu, in squared bounding radii of the mesh. If not given, 1e-4 for "eigenvector" (the
-        paper's), and for "logarithm" 2e-4 or a third of the squared mean edge, whichever is more
+        paper's), and for "logarithm" 2e-4 or a quarter of the squared mean edge, whichever is more
     steps : number of steps; 10 of the power iteration, up to 12 Gauss-Newton steps if not given
 
     Raises
