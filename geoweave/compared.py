@@ -14,7 +14,7 @@ from geoweave.circle import CircleFunction
 from geoweave.curl_correction import curl_corrected_scale
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, random_field
-from geoweave.geodesic import geodesic_field
+from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
 from geoweave.integration import QUANTILE, Weighting, foliate, global_scale, punctured
 from geoweave.mesh import TriMesh
 from geoweave.mixed_integer import mixed_integer_parameterization
@@ -50,9 +50,6 @@ CLOSE, ROUNDS = 0.04, 5
 
 Start: TypeAlias = Literal["smoothest", "random"]
 """Where Algorithm 1 starts: see `geodesic_from`."""
-
-RANDOM_SMOOTHNESS = (1e-2, 1e-3, 1e-5)
-"""Levels of lambda from a random start, small enough to keep some singularities; squared bounding radii."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +95,10 @@ class Integration:
 
 
 def geodesic_from(mesh: TriMesh, start: Start, seed: int = 0) -> FaceField:
-    """Run Algorithm 1 from the smoothest field, or from a random one with little smoothing.
+    """Run Algorithm 1 as `geoweave foliate` does, or from a random field with a smoothing of one edge.
 
     From its smoothest field a torus gets the circles round its tube, without a singularity, and every
-    method integrates them; from a random one, singularities and domain walls are left.
+    method integrates them; from a random one, with ``lambda = h^2`` throughout, some singularities are left.
 
     Raises
     ------
@@ -109,9 +106,10 @@ def geodesic_from(mesh: TriMesh, start: Start, seed: int = 0) -> FaceField:
         If there is no such start.
     """
     if start == "smoothest":
-        return geodesic_field(smoothest_field(mesh, seed)).field
+        schedule = sharpening_schedule(mesh, finest=INTEGRABLE_END)
+        return geodesic_field(smoothest_field(mesh, seed), smoothness=schedule, phases=4).field
     if start == "random":
-        return geodesic_field(random_field(mesh, seed), smoothness=RANDOM_SMOOTHNESS).field
+        return geodesic_field(random_field(mesh, seed), smoothness=[mesh.mean_edge**2]).field
     raise FieldError(f"there is no start '{start}': smoothest or random")
 
 
