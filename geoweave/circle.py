@@ -20,6 +20,12 @@ def wrapped(angle: Scalars) -> Scalars:
     return (angle + np.pi) % TURN - np.pi
 
 
+def _between_ends(mesh: TriMesh, theta: Scalars) -> Scalars:
+    """(E,) end less start of each edge, as its first face sees them."""
+    start, end = (theta[mesh.edges] * mesh.end_signs).T
+    return np.asarray(end - start)
+
+
 @dataclass(frozen=True, eq=False)
 class CircleFunction:
     """A circle-valued function: an angle at each vertex, and how far it turns along each edge.
@@ -58,8 +64,7 @@ class CircleFunction:
             if not np.isfinite(array).all():
                 bad = int(np.flatnonzero(~np.isfinite(array))[0])
                 raise FieldError(f"the circle-valued function is not finite at {place} {bad}")
-        tail, head = self.mesh.edges.T
-        off = np.abs(wrapped(theta[head] - theta[tail] - jumps))
+        off = np.abs(wrapped(_between_ends(self.mesh, theta) - jumps))
         if (off > 1e-6).any():
             bad = int(np.argmax(off))
             raise FieldError(
@@ -77,13 +82,12 @@ class CircleFunction:
         mesh, theta : as the attributes
         prediction : (E,) expected change along each edge, radians
         """
-        tail, head = mesh.edges.T
-        return cls(mesh, theta, prediction + wrapped(theta[head] - theta[tail] - prediction))
+        return cls(mesh, theta, prediction + wrapped(_between_ends(mesh, theta) - prediction))
 
     @cached_property
     def corner_jumps(self) -> Scalars:
         """(F, 3) change along the edge opposite each corner, in the direction of the face's boundary."""
-        return frozen(self.jumps[self.mesh.face_edges] * self.mesh.face_edge_signs)
+        return frozen(self.jumps[self.mesh.face_edges] * self.mesh.form_signs)
 
     @cached_property
     def dislocations(self) -> Indices:

@@ -84,7 +84,7 @@ def edge_curl(field: FaceField) -> Scalars:
     mesh = field.mesh
     projected = (field.values[:, None].conj() * mesh.halfedge_vectors).real.ravel()
     along, against = mesh.edge_halfedges[mesh.interior_edges].T
-    return -(projected[against] + projected[along])
+    return -(projected[along] + mesh.edge_signs * projected[against])
 
 
 def integrated_curl(field: FaceField) -> Scalars:
@@ -97,7 +97,8 @@ def integrated_curl(field: FaceField) -> Scalars:
     mesh = field.mesh
     jump = edge_curl(field)
     sides = mesh.edge_faces[mesh.interior_edges]
-    both = np.bincount(sides.ravel(), weights=np.repeat(jump, 2), minlength=mesh.n_faces)
+    seen = np.stack([jump, mesh.edge_signs * jump], axis=1)
+    both = np.bincount(sides.ravel(), weights=seen.ravel(), minlength=mesh.n_faces)
     return np.asarray(both, dtype=np.float64)
 
 

@@ -259,10 +259,41 @@ class TriMesh:
 
     @property
     def first_betti_number(self) -> int:
-        """Number of independent closed fields that are no gradient: 2 g, or 1 - chi with a boundary."""
+        """Number of independent closed fields that are no gradient: 2 g, or 1 - chi with a boundary.
+
+        A twisted component has -chi of them, with or without a boundary.
+        """
         bounded = np.zeros(self.n_components, dtype=bool)
         bounded[self.vertex_components[self.boundary_vertices]] = True
-        return self.n_components + int((~bounded).sum()) - self.euler_characteristic
+        plain = ~self.twisted_components
+        return int(plain.sum()) + int((plain & ~bounded).sum()) - self.euler_characteristic
+
+    # -- signs of odd values: all +1 here, see `geoweave.twist` -------------------------------------------
+
+    @cached_property
+    def corner_signs(self) -> Scalars:
+        """(F, 3) sign with which each face sees the value at its corner's vertex."""
+        return frozen(np.ones(self.faces.shape))
+
+    @cached_property
+    def end_signs(self) -> Scalars:
+        """(E, 2) signs with which the first face of each edge sees its start and its end."""
+        return frozen(np.ones(self.edges.shape))
+
+    @cached_property
+    def edge_signs(self) -> Scalars:
+        """(E_int,) sign that a value takes on its way over each interior edge."""
+        return frozen(np.ones(len(self.interior_edges)))
+
+    @property
+    def form_signs(self) -> Scalars:
+        """(F, 3) sign that turns the value of a 1-form on an edge into that on the half-edge of the face."""
+        return self.face_edge_signs
+
+    @cached_property
+    def twisted_components(self) -> Flags:
+        """(components,) whether a value comes back as its opposite along some closed path."""
+        return frozen(np.zeros(self.n_components, dtype=bool))
 
     # -- geometry ---------------------------------------------------------------------------------------
 
@@ -334,11 +365,11 @@ class TriMesh:
         """(E_int,) parallel transport ``T_{j<-i}`` over each interior edge, from face i to face j (Eq. 2).
 
         A unit complex number: unfolding face i about the edge takes the vector w_i to ``transport * w_i``
-        in the frame of face j.
+        in the frame of face j, with the sign of the edge.
         """
         along, against = self.edge_halfedges[self.interior_edges].T
         turn = -self.halfedge_vectors.ravel()[against] * self.halfedge_vectors.ravel()[along].conj()
-        return frozen(turn / np.abs(turn))
+        return frozen(turn / np.abs(turn) * self.edge_signs)
 
     @cached_property
     def corner_angles(self) -> Scalars:
@@ -372,6 +403,10 @@ class TriMesh:
         return first + 1j * second
 
     # -- new meshes -------------------------------------------------------------------------------------
+
+    def restricted(self, faces: Indices, vertices: Vectors, corners: Triangles) -> TriMesh:
+        """Build the mesh of some of the faces with these vertices at their corners (see `geoweave.part`)."""
+        return TriMesh(vertices, corners)
 
     def normalized(self) -> tuple[TriMesh, Similarity]:
         """Move the vertex mean to the origin and scale the farthest vertex to distance 1.

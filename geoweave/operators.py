@@ -15,6 +15,7 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
 from geoweave.mesh import TriMesh
+from geoweave.twist import gauge
 
 
 def as_real(values: Complexes) -> Scalars:
@@ -43,6 +44,7 @@ def curl(mesh: TriMesh) -> sparse.csr_array:
     rows = np.repeat(np.arange(count), 4)
     columns = (2 * (sides // 3)[:, :, None] + np.arange(2)).ravel()
     # Along the edge for face i, against it for face j: both half-edges enter with the same sign.
+    vectors = vectors * np.stack([np.ones(count), mesh.edge_signs], axis=1)
     entries = -np.stack([vectors.real, vectors.imag], axis=2).ravel()
     return sparse.csr_array((entries, (rows, columns)), shape=(count, 2 * mesh.n_faces))
 
@@ -56,7 +58,7 @@ def sharp(mesh: TriMesh) -> sparse.csr_array:
     # With omega summing to zero, v = (1 / 6A) J sum_k (omega_{k+1} - omega_{k+2}) h_k, J a quarter turn.
     h = mesh.halfedge_vectors
     weights = 1j * (h[:, [2, 0, 1]] - h[:, [1, 2, 0]]) / (6.0 * mesh.face_areas[:, None])
-    weights = weights * mesh.face_edge_signs
+    weights = weights * mesh.form_signs
     rows = np.broadcast_to(np.arange(2 * mesh.n_faces).reshape(-1, 1, 2), (mesh.n_faces, 3, 2)).ravel()
     columns = np.repeat(mesh.face_edges.ravel(), 2)
     entries = np.stack([weights.real, weights.imag], axis=2).ravel()
@@ -66,14 +68,14 @@ def sharp(mesh: TriMesh) -> sparse.csr_array:
 def differences(mesh: TriMesh) -> sparse.csr_array:
     """The exterior derivative d of vertex functions, (E, V): end less start of each edge."""
     rows = np.repeat(np.arange(mesh.n_edges), 2)
-    entries = np.tile([-1.0, 1.0], mesh.n_edges)
+    entries = (mesh.end_signs * [-1.0, 1.0]).ravel()
     return sparse.csr_array((entries, (rows, mesh.edges.ravel())), shape=(mesh.n_edges, mesh.n_vertices))
 
 
 def gradient(mesh: TriMesh) -> sparse.csr_array:
     """Gradient G of piecewise linear functions, (2F, V): exact on linear functions; unit: 1 / length."""
     # grad f = sum_k f_k J h_k / 2A, with h_k the half-edge opposite corner k, J a quarter turn.
-    weights = 1j * mesh.halfedge_vectors / (2.0 * mesh.face_areas[:, None])
+    weights = 1j * mesh.halfedge_vectors * mesh.corner_signs / (2.0 * mesh.face_areas[:, None])
     rows = np.broadcast_to(np.arange(2 * mesh.n_faces).reshape(-1, 1, 2), (mesh.n_faces, 3, 2)).ravel()
     entries = np.stack([weights.real, weights.imag], axis=2).ravel()
     return sparse.csr_array(
@@ -153,9 +155,9 @@ def harmonic_generators(mesh: TriMesh) -> sparse.csc_array:
     it is closed. Each edge in neither carries a form: 1 on the edge, and the imbalance of its two faces
     pushed up the dual tree. The forms are closed (they sum to zero around every face), and no
     combination of them is exact. Their number is 2 g for a closed component and 1 - chi for one with a
-    boundary.
+    boundary; -chi where the component is twisted by its signs.
 
-    Entries are +1 and -1, along the edge's direction.
+    Entries are +1 and -1, along the edge's direction; +2 and -2 too in a closed twisted component.
     """
     n_faces, n_edges = mesh.n_faces, mesh.n_edges
     in_tree = _spanning_tree(mesh)
@@ -169,26 +171,65 @@ def harmonic_generators(mesh: TriMesh) -> sparse.csc_array:
     generators = np.flatnonzero(~in_tree & ~in_cotree)
     count = len(generators)
 
+    over = np.ones(n_edges)
+    over[mesh.interior_edges] = mesh.edge_signs
+
     rows, columns, entries = [generators], [np.arange(count)], [np.ones(count)]
-    for start, sign in ((i[generators], 1.0), (across[generators], -1.0)):
-        # The form adds `sign` to the sum around the start face; walking up, each parent edge cancels it
-        # there and hands it on to the next face, until the root swallows it.
+    for start, imbalance in ((i[generators], np.ones(count)), (across[generators], -over[generators])):
+        # The form adds its imbalance to the sum around the start face; walking up, each parent edge cancels
+        # it there and hands it on to the next face, until the root swallows it.
         walker, label = start, np.arange(count)
         while len(walker):
             climbing = parent_edge[walker] >= 0
-            walker, label = walker[climbing], label[climbing]
+            walker, label, imbalance = walker[climbing], label[climbing], imbalance[climbing]
             edge = parent_edge[walker]
-            along = np.where(i[edge] == walker, 1.0, -1.0)
+            along = np.where(i[edge] == walker, 1.0, -over[edge])
             rows.append(edge)
             columns.append(label)
-            entries.append(-sign * along)
-            walker = parent[walker]
+            entries.append(-imbalance * along)
+            walker, imbalance = parent[walker], imbalance * over[edge]
     forms = sparse.coo_array(
         (np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))), shape=(n_edges, count)
     ).tocsc()
     forms.sum_duplicates()
     forms.eliminate_zeros()
-    return forms
+    return _independent(mesh, forms, generators, in_tree) if mesh.twisted_components.any() else forms
+
+
+def _independent(
+    mesh: TriMesh, forms: sparse.csc_array, generators: Indices, in_tree: Flags
+) -> sparse.csc_array:
+    """Of the forms of each twisted component leave out a dependent one, and close the others at the root.
+
+    Odd functions have no constants, so one combination of the forms is exact: that on an edge which returns
+    along the tree with the opposite sign. On a closed component the root of the dual tree may be left with an
+    imbalance, since going round the cotree changes signs too: another form takes it away.
+    """
+    component = mesh.face_components[mesh.edge_faces[generators, 0]]
+    unbalanced = (
+        mesh.end_signs.prod(axis=1) * gauge(mesh, np.flatnonzero(in_tree))[mesh.edges].prod(axis=1) < 0
+    )
+    dropped = np.zeros(len(generators), dtype=bool)
+    wrong = np.flatnonzero(unbalanced[generators])
+    dropped[wrong[np.unique(component[wrong], return_index=True)[1]]] = True
+    around = sparse.csr_array(
+        (
+            mesh.form_signs.ravel(),
+            (np.repeat(np.arange(mesh.n_faces), 3), mesh.face_edges.ravel()),
+        ),
+        shape=(mesh.n_faces, mesh.n_edges),
+    )
+    left = np.asarray((around @ forms).sum(axis=0))
+    size = np.diff(forms.indptr)
+    mixing = sparse.eye_array(len(generators), format="lil")
+    for each in np.unique(component[(left != 0) & ~dropped]):
+        open_forms = np.flatnonzero((component == each) & (left != 0) & ~dropped)
+        closing = open_forms[np.argmin(size[open_forms])]
+        mixing[closing, open_forms] = -left[open_forms] / left[closing]
+        dropped[closing] = True
+    kept = sparse.csc_array(forms @ mixing.tocsc()[:, np.flatnonzero(~dropped)])
+    kept.eliminate_zeros()
+    return kept
 
 
 def _spanning_tree(mesh: TriMesh) -> Flags:
@@ -249,8 +290,9 @@ class ClosedFields:
 
     @cached_property
     def free_vertices(self) -> Indices:
-        """Vertices that are not pinned; one vertex of each component is."""
+        """Vertices that are not pinned; one vertex of each component is, if constants are functions there."""
         pinned = np.unique(self.mesh.vertex_components, return_index=True)[1]
+        pinned = pinned[~self.mesh.twisted_components]
         return frozen(np.delete(np.arange(self.mesh.n_vertices), pinned))
 
     @cached_property

@@ -17,8 +17,8 @@ from geoweave.mesh import TriMesh
 class Part:
     """Some faces of a surface as a surface of its own.
 
-    Faces keep their order and their corners, hence their frames: the values of a face field carry over as
-    they are, ``values[part.faces]``.
+    Faces keep their order and their corners, hence their frames (and signs): the values of a face field carry
+    over as they are, ``values[part.faces]``.
 
     Attributes
     ----------
@@ -75,5 +75,5 @@ def part_of(mesh: TriMesh, keep: Flags) -> Part:
     key = old.ravel() * (int(fan.max()) + 1) + fan.ravel()
     _, first, corners = np.unique(key, return_index=True, return_inverse=True)
     vertices = old.ravel()[first]
-    part = TriMesh(mesh.vertices[vertices], corners.reshape(-1, 3))
+    part = mesh.restricted(faces, mesh.vertices[vertices], corners.reshape(-1, 3))
     return Part(part, mesh, faces, vertices)

@@ -14,7 +14,7 @@ PACKAGE = ROOT / "geoweave"
 LAYERS = (
     ("words", {"arrays", "compiled", "errors", "places"}),
     ("matrices", {"cholesky", "linalg"}),
-    ("the surface", {"mesh"}),
+    ("the surface", {"mesh", "twist"}),
     (
         "meshes from files and formulas",
         {
