@@ -34,6 +34,15 @@ def test_arrows_of_a_field_are_centred_and_as_long_as_asked(square):
     np.testing.assert_allclose(arrows.points + 0.5 * arrows.vectors, square.barycenters, atol=1e-15)
 
 
+def test_scattered_faces_are_apart_and_everywhere():
+    disk = shapes.disk(faces=4000)
+    points = disk.barycenters[viz.scattered(disk, 0.2)]
+    gaps = np.linalg.norm(points[:, None] - points, axis=2) + np.eye(len(points))
+    assert gaps.min() > 0.05
+    # 79 squares of that side have the area of the disk; some at its rim have no face near their middle
+    assert 60 < len(points) < 90
+
+
 def test_arrows_of_a_second_field_start_at_the_tips_of_the_first(square):
     first, second = constant(square, [1.0, 0, 0]), constant(square, [0, 0.5, 0])
     some = np.arange(square.n_faces) % 3 == 0

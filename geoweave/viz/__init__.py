@@ -48,6 +48,7 @@ from geoweave.viz.vectors import (
     mark,
     plates,
     projections,
+    scattered,
 )
 
 __all__ = [
@@ -85,6 +86,7 @@ __all__ = [
     "projections",
     "provenance",
     "publish",
+    "scattered",
     "shaded_gallery",
     "streamline_gallery",
 ]

@@ -104,6 +104,21 @@ def mark(point: Sequence[float], vector: Sequence[float], colour: str) -> Arrows
     return Arrows(np.array([point]) - 0.5 * along, along, colour, float(np.linalg.norm(along)) / 12.0)
 
 
+def scattered(mesh: TriMesh, spacing: float, view: View | None = None) -> Flags:
+    """Choose (F,) faces about so far apart, on a square grid seen from the eye: arrows that do not crowd."""
+    flat = mesh.barycenters @ (view or FROM_ABOVE).axes[:2].T
+    cell = np.floor((flat - flat.min(axis=0)) / spacing)
+    middle = flat.min(axis=0) + (cell + 0.5) * spacing
+    off = np.linalg.norm(flat - middle, axis=1)
+    order = np.lexsort((off, cell[:, 1], cell[:, 0]))
+    first = np.ones(len(order), dtype=bool)
+    first[1:] = (np.diff(cell[order], axis=0) != 0).any(axis=1)
+    chosen = np.zeros(mesh.n_faces, dtype=bool)
+    # A cell at the rim may have its nearest face far from its middle, close to another cell's.
+    chosen[order[first]] = off[order[first]] < 0.35 * spacing
+    return chosen
+
+
 @dataclass(frozen=True, eq=False)
 class Lines:
     """Lines of one look: (N, 2, 3) straight pieces, or the curves of a foliation.
