@@ -136,6 +136,11 @@ def test_curved_lines_are_warm_and_straight_lines_are_dark(sphere, circles, meri
     assert meridian[1] > 2 * circle[1]
 
 
+def test_numbers_in_captions():
+    shown = {0.0: "0", 1e-8: "10⁻⁸", 2.5e-6: "2.5 · 10⁻⁶", 1e-3: "10⁻³", 0.05: "0.05", 1e3: "1,000"}
+    assert {value: style.scientific(value) for value in shown} == shown
+
+
 def test_maps_are_uniform_and_centred():
     at = np.linspace(0, 1, 64)
     lab = style._to_oklab(style.sequential()(at)[:, :3])

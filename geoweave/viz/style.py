@@ -33,6 +33,7 @@ SADDLE = "#2f6690"
 """Singularities of negative index."""
 FIELD_LINES, LEVEL_LINES = "#4aa3f0", "#c86bfa"
 """Streamlines of a field and level sets of theta, bright enough for dark and light ground (Fig. 15)."""
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 FAMILIES = ("#3f7d8c", "#d9a441", "#a8516a")
 """Teal, ochre, mallow: three calm hues for the three families of a weave."""
 
@@ -107,6 +108,15 @@ def shade() -> LinearSegmentedColormap:
 def cyclic() -> LinearSegmentedColormap:
     """Map of angles that ends where it starts: sand (0), teal, slate (half a turn), mallow and back."""
     return _uniform("geoweave-wheel", ["#f3ead8", "#5fa3a3", "#2c4460", "#a4597c", "#f3ead8"])
+
+
+def scientific(value: float) -> str:
+    """Write a number for a caption: 1e-8 as 10⁻⁸, 2.5e-6 as 2.5 · 10⁻⁶; 0 and 0.01 to 99,999 without a power."""
+    if value == 0 or 0.01 <= abs(value) < 1e5:
+        return f"{value:,g}"
+    digits, power = f"{value:.2e}".split("e")
+    raised = "10" + str(int(power)).translate(SUPERSCRIPTS)
+    return raised if float(digits) == 1 else f"{float(digits):g} · {raised}"
 
 
 def _uniform(name: str, stops: Sequence[str]) -> LinearSegmentedColormap:
