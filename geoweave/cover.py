@@ -13,13 +13,16 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from geoweave.arrays import Flags, Indices, Triangles, frozen
+from geoweave.arrays import Flags, Indices, Scalars, Triangles, frozen
+from geoweave.circle import CircleFunction
 from geoweave.curves import Curves
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField
+from geoweave.integration import Foliation
 from geoweave.mesh import TriMesh
 from geoweave.part import Part, part_of
 from geoweave.rosy import RoSyField
+from geoweave.twist import TwistedMesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +101,22 @@ class Cover:
         vertices[self.mesh.faces] = self.mesh.faces[faces]
         return frozen(faces), frozen(vertices)
 
+    @cached_property
+    def quotient(self) -> Quotient:
+        """The surface to solve on: one of each two antipodal faces for even N, all of them for odd N.
+
+        Where a component of the cover is apart from its antipodal one, it stands for both. Where the two are
+        one, sheets 0 to N/2 - 1 are taken, and values change sign where the gluing leads beyond them.
+        """
+        everyone = np.arange(self.mesh.n_faces)
+        if self.degree % 2:
+            signs = np.ones(self.mesh.n_faces)
+            return Quotient(self, self.mesh, everyone, signs, np.arange(self.mesh.n_faces))
+        antipode, _ = self.antipodes
+        own, other = self.mesh.face_components, self.mesh.face_components[antipode]
+        chosen = np.where(own == other, self.sheets < self.degree // 2, own < other)
+        return _quotient(self, chosen, antipode)
+
     def project(self, curves: Curves) -> Curves:
         """Take curves drawn on the cover to the surface below: the same lines, in the faces there.
 
@@ -109,6 +128,95 @@ class Cover:
         if curves.mesh is not self.mesh:
             raise FieldError("the curves do not lie on the mesh of the cover that is to be projected")
         return replace(curves, mesh=self.rosy.mesh, faces=self.faces[curves.faces])
+
+
+@dataclass(frozen=True, eq=False)
+class Quotient:
+    """A cover with antipodal faces taken for one, and the way back.
+
+    Opposite vectors, potentials and angles of antipodal faces are one up to sign, positive factors are equal.
+    What is solved here by Part 1 is odd on the cover by construction: two families of level sets on antipodal
+    sheets interleave by half a period, with no rounding (DEVIATIONS.md, antipodes).
+
+    Attributes
+    ----------
+    cover : the cover
+    mesh : its quotient, a `TwistedMesh` unless no component is its own antipode; for odd N the cover's mesh
+    faces : (N F',) face of the quotient that stands for each face of the cover
+    signs : (N F',) -1 where the face of the cover carries the opposite
+    representatives : (faces of the quotient,) the face of the cover that each is a copy of
+    """
+
+    cover: Cover
+    mesh: TriMesh
+    faces: Indices
+    signs: Scalars
+    representatives: Indices
+
+    @cached_property
+    def field(self) -> FaceField:
+        """The lifted RoSy on the representatives."""
+        return FaceField(self.mesh, self.cover.field.values[self.representatives])
+
+    def lifted_field(self, field: FaceField) -> FaceField:
+        """Take a field on the quotient to the cover: opposite vectors on antipodal faces.
+
+        Raises
+        ------
+        FieldError
+            If the field lies on another mesh.
+        """
+        if field.mesh is not self.mesh:
+            raise FieldError("the field does not lie on the mesh of the quotient that is to be lifted from")
+        return FaceField(self.cover.mesh, self.signs * field.values[self.faces])
+
+    def lifted(self, foliation: Foliation) -> Foliation:
+        """Take a foliation of the quotient to the cover: ``s`` as it is, ``theta`` odd.
+
+        Its energies and changes stay those of the quotient.
+
+        Raises
+        ------
+        FieldError
+            If the foliation is one of another mesh.
+        """
+        if foliation.part.whole is not self.mesh:
+            raise FieldError("the foliation is not one of the quotient that is to be lifted from")
+        below = foliation.part
+        part = part_of(self.cover.mesh, below.kept[self.faces])
+        place = np.full(self.mesh.n_faces, -1, dtype=np.int64)
+        place[below.faces] = np.arange(len(below.faces))
+        face, sign = place[self.faces[part.faces]], self.signs[part.faces]
+        field = FaceField(part.mesh, sign * foliation.field.values[face])
+        theta = np.empty(part.mesh.n_vertices)
+        seen = foliation.circle.theta[below.mesh.faces] * below.mesh.corner_signs
+        theta[part.mesh.faces] = sign[:, None] * seen[face]
+        side = part.mesh.edge_halfedges[:, 0]
+        jumps = sign[side // 3] * foliation.circle.corner_jumps[face[side // 3], side % 3]
+        circle = CircleFunction(part.mesh, theta, jumps)
+        return replace(foliation, field=field, part=part, s=frozen(foliation.s[face]), circle=circle)
+
+
+def _quotient(cover: Cover, chosen: Flags, antipode: Indices) -> Quotient:
+    """The quotient by antipodes in which the chosen faces stand for their pairs."""
+    mesh, representatives = cover.mesh, np.flatnonzero(chosen)
+    number = np.cumsum(chosen) - 1
+    faces = np.where(chosen, number, number[antipode])
+    # Of two antipodal vertices the lower-numbered stands for both, unless only the other is a corner there.
+    _, opposite = cover.antipodes
+    corners = mesh.faces[representatives]
+    present = np.zeros(mesh.n_vertices, dtype=bool)
+    present[corners] = True
+    standing = present & ~(present[opposite] & (opposite < np.arange(mesh.n_vertices)))
+    vertex = np.cumsum(standing) - 1
+    own = standing[corners]
+    triangles = np.where(own, vertex[corners], vertex[opposite[corners]])
+    points = mesh.vertices[standing]
+    signs = np.where(own, 1.0, -1.0)
+    surface = TriMesh(points, triangles) if own.all() else TwistedMesh(points, triangles, signs=signs)
+    return Quotient(
+        cover, surface, frozen(faces), frozen(np.where(chosen, 1.0, -1.0)), frozen(representatives)
+    )
 
 
 def branched_cover(rosy: RoSyField) -> Cover:

@@ -10,13 +10,13 @@ import numpy as np
 from scipy import sparse
 
 from geoweave.alignment import Alignment, alignment
-from geoweave.arrays import Complexes, Indices, Scalars, frozen
+from geoweave.arrays import Complexes, Scalars, frozen
 from geoweave.circle import CircleFunction, wrapped
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField
-from geoweave.linalg import Ordering, factorized, nested_dissection, one_blas_thread
+from geoweave.linalg import Ordering, bounded_minimum, factorized, nested_dissection, one_blas_thread
 from geoweave.mesh import TriMesh
-from geoweave.operators import face_laplacian
+from geoweave.operators import as_complex, as_real, face_laplacian
 from geoweave.part import Part, part_of
 from geoweave.rescaling import Method, component_means, integrating_factor, perpendicular
 from geoweave.singularities import vertex_indices
@@ -231,7 +231,7 @@ def _first_factor(w: FaceField, part: Part, rescaling: Method | Scalars | None) 
 def edge_prediction(field: FaceField, s: Scalars) -> Scalars:
     """(E,) change of theta expected along each edge, ``s w-perp . e``, the mean of its faces', radians."""
     mesh = field.mesh
-    turn = s[:, None] * _along(field) * mesh.face_edge_signs
+    turn = s[:, None] * _along(field) * mesh.form_signs
     total = np.bincount(mesh.face_edges.ravel(), turn.ravel(), mesh.n_edges)
     return np.asarray(total / np.bincount(mesh.face_edges.ravel(), minlength=mesh.n_edges))
 
@@ -259,6 +259,10 @@ class _Alternation:
         self.slope = unit[:, None] * self.along
         self.weight = _cotangents(mesh) / unit[:, None] ** 2
         self.tail, self.head = mesh.faces[:, [1, 2, 0]].ravel(), mesh.faces[:, [2, 0, 1]].ravel()
+        self.tail_sign = mesh.corner_signs[:, [1, 2, 0]].ravel()
+        self.head_sign = mesh.corner_signs[:, [2, 0, 1]].ravel()
+        self.between = self.tail_sign * self.head_sign
+        self.twisted = bool((self.between < 0).any())
         mass = np.repeat(mesh.face_areas / unit**2, 3) / 3.0
         self.mass = np.bincount(mesh.faces.ravel(), mass, mesh.n_vertices)
         self.component = mesh.vertex_components
@@ -273,7 +277,8 @@ class _Alternation:
 
     def residual(self, theta: Scalars, s: Scalars) -> Scalars:
         """(F, 3) ``theta_b - theta_a - s_i w-perp_i . e_ab``, radians, any representative."""
-        return (theta[self.head] - theta[self.tail]).reshape(-1, 3) - s[:, None] * self.along
+        rise = self.head_sign * theta[self.head] - self.tail_sign * theta[self.tail]
+        return np.asarray(rise.reshape(-1, 3) - s[:, None] * self.along)
 
     def energy(self, theta: Scalars, s: Scalars) -> float:
         share = s / self.unit
@@ -281,9 +286,10 @@ class _Alternation:
         return float((self.weight * (1.0 - np.cos(self.residual(theta, s)))).sum() + smooth)
 
     def theta_change(self, before: Scalars, after: Scalars) -> float:
-        """Root mean square change of theta, after the best constant on each component."""
+        """Root mean square change of theta, after the best constant on each component: 0 or pi if twisted."""
         turn = np.exp(1j * (after - before)) * self.mass
         mean = np.bincount(self.component, turn.real) + 1j * np.bincount(self.component, turn.imag)
+        mean = np.where(self.mesh.twisted_components, mean.real, mean)
         left = wrapped(after - before - np.angle(mean)[self.component])
         return float(np.sqrt(np.average(left**2, weights=self.mass)))
 
@@ -296,17 +302,42 @@ class _Alternation:
         shift = 1e-7 * float(diagonal.mean()) * self.mass / float(self.mass.mean())
         return sparse.csr_array(off + off.conj().T + sparse.diags_array(diagonal + shift))
 
+    def _turned(self, s: Scalars) -> sparse.csr_array:
+        """``sum weight |u_b - exp(i s w-perp . e) u_a|^2``, u = z or its conjugate as the corner's sign says.
+
+        Hermitian in z, (V, V), where all signs agree; otherwise a real matrix (2V, 2V), as it couples z to
+        the conjugates of its neighbours too.
+        """
+        weight = self.weight.ravel()
+        turn = weight * np.exp(1j * self.head_sign * (s[:, None] * self.along).ravel())
+        if not self.twisted:
+            return self._assembled(weight, turn)
+        # conj(z_b) c z_a, or conj(z_b) c conj(z_a), in real and imaginary parts.
+        blocks = np.stack([turn.real, -self.between * turn.imag, turn.imag, self.between * turn.real], axis=1)
+        rows = 2 * self.head[:, None] + [0, 0, 1, 1]
+        columns = 2 * self.tail[:, None] + [0, 1, 0, 1]
+        size = 2 * self.mesh.n_vertices
+        off = sparse.coo_array((-blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsr()
+        plain = self._assembled(weight, weight).diagonal()
+        return sparse.csr_array(off + off.T + sparse.diags_array(np.repeat(plain, 2)))
+
+    def _ordering(self) -> Ordering:
+        if self.vertex_ordering is None:
+            weight = self.weight.ravel()
+            self.vertex_ordering = nested_dissection(self._assembled(weight, weight))
+        return self.vertex_ordering
+
     def eigenvector(self, z: Complexes, theta: Scalars | None, s: Scalars) -> tuple[Complexes, Scalars]:
         """Inverse iteration for the smallest eigenvector at s; its angles replace theta if that pays."""
-        weight = self.weight.ravel()
-        matrix = self._assembled(weight, weight * np.exp(1j * (s[:, None] * self.along).ravel()))
-        self.vertex_ordering = self.vertex_ordering or nested_dissection(matrix)
-        factors = factorized(matrix, self.vertex_ordering)
+        matrix, ordering = self._turned(s), self._ordering()
+        factors = factorized(matrix, ordering.repeated(2) if self.twisted else ordering)
         quotient = np.inf
         for _ in range(60):
-            z = factors.solve(self.mass * z)
-            z /= np.sqrt(np.bincount(self.component, self.mass * np.abs(z) ** 2))[self.component]
-            last, quotient = quotient, _rayleigh(z, matrix)
+            right = self.mass * z
+            z = as_complex(factors.solve(as_real(right))) if self.twisted else factors.solve(right)
+            z = z / np.sqrt(np.bincount(self.component, self.mass * np.abs(z) ** 2))[self.component]
+            image = np.asarray(as_complex(matrix @ as_real(z)) if self.twisted else matrix @ z)
+            last, quotient = quotient, float((z.conj() @ image).real)
             if last - quotient < EIGENVALUE_TOLERANCE * quotient:
                 break
         found = np.angle(z)
@@ -318,16 +349,16 @@ class _Alternation:
         residual, n = self.residual(theta, s), self.mesh.n_vertices
         convex = self.weight * np.maximum(np.cos(residual), LEAST_COSINE)
         pull = self.weight * np.sin(residual)
-        in_theta = np.bincount(self.tail, pull.ravel(), n) - np.bincount(self.head, pull.ravel(), n)
+        in_theta = np.bincount(self.tail, self.tail_sign * pull.ravel(), n)
+        in_theta -= np.bincount(self.head, self.head_sign * pull.ravel(), n)
         in_share = (pull * self.slope).sum(axis=1) - self.smoothness * (self.laplacian @ (s / self.unit))
         return convex, np.asarray(in_theta, dtype=np.float64), np.asarray(in_share)
 
     def improve_theta(self, theta: Scalars, s: Scalars) -> Scalars:
         """One Gauss-Newton step of Eq. 8 in theta alone."""
         convex, in_theta, _ = self._model(theta, s)
-        assert self.vertex_ordering is not None
-        matrix = self._assembled(convex.ravel(), convex.ravel())
-        step = factorized(matrix, self.vertex_ordering).solve(in_theta)
+        matrix = self._assembled(convex.ravel(), self.between * convex.ravel())
+        step = factorized(matrix, self._ordering()).solve(in_theta)
         length = _damping(lambda length: self.energy(theta + length * step, s))
         return theta + length * step
 
@@ -342,11 +373,14 @@ class _Alternation:
         face = np.tile(np.repeat(np.arange(mesh.n_faces), 3), 2)
         mixed = (-convex * self.slope).ravel()
         cross = sparse.csr_array(
-            (np.concatenate([mixed, -mixed]), (np.concatenate([self.head, self.tail]), face)),
+            (
+                np.concatenate([self.head_sign * mixed, -self.tail_sign * mixed]),
+                (np.concatenate([self.head, self.tail]), face),
+            ),
             shape=(n, mesh.n_faces),
         )
         lower = sparse.diags_array((convex * self.slope**2).sum(axis=1)) + self.smoothness * self.laplacian
-        upper = self._assembled(convex.ravel(), convex.ravel())
+        upper = self._assembled(convex.ravel(), self.between * convex.ravel())
         cross, lower = cross @ free, free @ lower @ free + held
         matrix = sparse.csr_array(sparse.block_array([[upper, cross], [cross.T, lower]], format="csr"))
         self.joint_ordering = self.joint_ordering or nested_dissection(matrix)
@@ -369,11 +403,6 @@ class _Alternation:
         return np.asarray(self.unit * (share + length * (best - share)))
 
 
-def _rayleigh(z: Complexes, matrix: sparse.csr_array) -> float:
-    image = np.asarray(matrix @ z)
-    return float((z.conj() @ image).real)
-
-
 def _damping(energy: Callable[[float], float]) -> float:
     """Length of a step, halved from 1 until the energy is no higher than at its start; 0 if it never is."""
     before, length = energy(0.0), 1.0
@@ -382,41 +411,3 @@ def _damping(energy: Callable[[float], float]) -> float:
             return length
         length *= 0.5
     return 0.0
-
-
-def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: Scalars, ordering: Ordering) -> Scalars:
-    """Minimise ``1/2 r' K r - b' r`` over ``r >= least``, by the primal-dual active set method.
-
-    For a matrix K with no positive entry off its diagonal, as here, the method ends at the exact minimiser.
-
-    Parameters
-    ----------
-    matrix : K, symmetric positive definite, (n, n)
-    right : (n,) b
-    least : (n,) the bounds
-    ordering : an elimination order for K
-
-    Raises
-    ------
-    FieldError
-        If the active set has not settled after 50 rounds.
-    """
-    r = factorized(matrix, ordering).solve(right)
-    active = r < least
-    for _ in range(50):
-        if not active.any():
-            return r
-        free: Indices = np.flatnonzero(~active)
-        r = least.copy()
-        if len(free):
-            rows = matrix[free]
-            inner = rows[:, free]
-            r[free] = factorized(inner, nested_dissection(inner)).solve(
-                right[free] - rows[:, np.flatnonzero(active)] @ r[active]
-            )
-        force = matrix @ r - right
-        settled = np.where(active, force >= 0, r < least)
-        if (settled == active).all():
-            return r
-        active = settled
-    raise FieldError("the positive integrating factor did not settle; try a larger smoothness")

@@ -219,3 +219,43 @@ def smallest_eigenpair(
     )
     values, vectors = eigsh(inverse, k=1, which="LM", v0=root * start, tol=tolerance, rng=0)
     return float(1.0 / values[0]), vectors[:, 0] / root
+
+
+def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: Scalars, ordering: Ordering) -> Scalars:
+    """Minimise ``1/2 r' K r - b' r`` over ``r >= least``, by the primal-dual active set method.
+
+    For a matrix K with no positive entry off its diagonal, as here, the method ends at the exact minimiser.
+
+    Parameters
+    ----------
+    matrix : K, symmetric positive definite, (n, n)
+    right : (n,) b
+    least : (n,) the bounds
+    ordering : an elimination order for K
+
+    Raises
+    ------
+    SingularMatrixError
+        If the active set has not settled after 50 rounds.
+    """
+    r = factorized(matrix, ordering).solve(right)
+    active = r < least
+    for _ in range(50):
+        if not active.any():
+            return r
+        free: Indices = np.flatnonzero(~active)
+        r = least.copy()
+        if len(free):
+            rows = matrix[free]
+            inner = rows[:, free]
+            r[free] = factorized(inner, nested_dissection(inner)).solve(
+                right[free] - rows[:, np.flatnonzero(active)] @ r[active]
+            )
+        force = matrix @ r - right
+        settled = np.where(active, force >= 0, r < least)
+        if (settled == active).all():
+            return r
+        active = settled
+    raise SingularMatrixError(
+        "a minimum with bounds did not settle in 50 rounds; the matrix is too ill-conditioned"
+    )

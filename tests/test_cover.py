@@ -8,13 +8,21 @@ import numpy as np
 import pytest
 
 from geoweave import shapes
-from geoweave.cover import Cover, branched_cover
+from geoweave.arrays import Complexes, Scalars
+from geoweave.circle import wrapped
+from geoweave.cover import Cover, Quotient, branched_cover
 from geoweave.curves import geodesic_curvature
 from geoweave.errors import FieldError, MeshError
-from geoweave.fields import total_curl
+from geoweave.fields import FaceField, total_curl
+from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
+from geoweave.integration import _Alternation, foliate, global_scale
+from geoweave.isolines import isolines
+from geoweave.operators import as_complex
+from geoweave.rescaling import integrating_factor
 from geoweave.rosy import RoSyField, smoothest_rosy
-from geoweave.singularities import rotation_across
+from geoweave.singularities import rotation_across, vertex_indices
 from geoweave.tracing import streamlines
+from geoweave.twist import TwistedMesh
 from tests.surfaces import ALL, surface
 
 
@@ -162,3 +170,186 @@ def test_a_cover_of_thirty_thousand_faces_is_quick() -> None:
     branched_cover(rosy)
     # measured 0.9 s
     assert time.process_time() - begin < 2.5
+
+
+def designed(field: FaceField) -> FaceField:
+    schedule = sharpening_schedule(field.mesh, finest=INTEGRABLE_END)
+    return geodesic_field(field, smoothness=schedule, iterations=8).field
+
+
+@pytest.mark.parametrize("degree", [2, 4, 6])
+@pytest.mark.parametrize("name", ALL)
+def test_the_quotient_has_half_of_everything(name: str, degree: int) -> None:
+    cover = cover_of(name, degree)
+    quotient, (antipode, _) = cover.quotient, cover.antipodes
+    assert 2 * quotient.mesh.n_faces == cover.mesh.n_faces
+    assert 2 * quotient.mesh.n_vertices == cover.mesh.n_vertices
+    assert 2 * quotient.mesh.euler_characteristic == cover.mesh.euler_characteristic
+    np.testing.assert_array_equal(quotient.faces[antipode], quotient.faces)
+    np.testing.assert_array_equal(quotient.signs[antipode], -quotient.signs)
+    np.testing.assert_array_equal(quotient.mesh.frames[quotient.faces], cover.mesh.frames)
+    # a component that is its own antipode is twisted below; two that are each other's are one plain one
+    above = cover.mesh.face_components
+    own = np.unique(above[above == above[antipode]])
+    assert quotient.mesh.twisted_components.sum() == len(own)
+    assert 2 * quotient.mesh.n_components == cover.mesh.n_components + len(own)
+    assert isinstance(quotient.mesh, TwistedMesh) == bool(len(own))
+
+
+def test_flat_surfaces_have_a_plain_quotient() -> None:
+    quotient = cover_of("disk").quotient
+    assert quotient.mesh.n_components == 3
+    assert not isinstance(quotient.mesh, TwistedMesh)
+
+
+def test_the_quotient_of_an_odd_cover_is_the_cover() -> None:
+    cover = cover_of("jagged sphere", 5)
+    assert cover.quotient.mesh is cover.mesh
+    np.testing.assert_array_equal(cover.quotient.field.values, cover.field.values)
+    assert cover.quotient.lifted_field(cover.field).mesh is cover.mesh
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "torus", "Schwarz-P", "two pieces"])
+def test_the_field_solved_on_the_quotient_is_that_of_all_sheets(name: str) -> None:
+    """Algorithm 1 keeps odd fields odd, so half of the sheets know all."""
+    cover = cover_of(name)
+    quotient = cover.quotient
+    np.testing.assert_allclose(
+        quotient.lifted_field(quotient.field).values, cover.field.values, rtol=0, atol=1e-14
+    )
+    below, above = designed(quotient.field), designed(cover.field)
+    # rounding only, amplified by the steps
+    np.testing.assert_allclose(quotient.lifted_field(below).values, above.values, atol=1e-7)
+    assert 2 * total_curl(below) == pytest.approx(total_curl(above), rel=1e-9)
+    np.testing.assert_array_equal(
+        np.bincount(np.abs(vertex_indices(below)), minlength=3) * 2,
+        np.bincount(np.abs(vertex_indices(above)), minlength=3),
+    )
+
+
+@pytest.mark.parametrize("degree", [4, 6])
+@pytest.mark.parametrize("name", ["jagged sphere", "torus", "two pieces"])
+def test_the_factor_solved_on_the_quotient_is_that_of_all_sheets(name: str, degree: int) -> None:
+    """Without a puncture more; s is even."""
+    quotient = cover_of(name, degree).quotient
+    # the bounding radius sets the unit of mu, and the vertex means of the two differ
+    mu = 2e-4 / quotient.mesh.bounding_radius**2, 2e-4 / quotient.cover.mesh.bounding_radius**2
+    below = integrating_factor(quotient.field, smoothness=mu[0])
+    above = integrating_factor(quotient.cover.field, smoothness=mu[1])
+    np.testing.assert_allclose(below.s[quotient.faces], above.s, rtol=1e-6)
+
+
+def eq8(quotient: Quotient) -> tuple[_Alternation, _Alternation, Scalars, Scalars]:
+    """Eq. 8 on the quotient and on all sheets, with a first s on either."""
+    s = integrating_factor(quotient.field).s
+    s = 0.3 * global_scale(quotient.field, s, 0.95) * s
+    below = _Alternation(quotient.field, s, s, 1e-4)
+    lifted = s[quotient.faces]
+    return below, _Alternation(quotient.cover.field, lifted, lifted, 1e-4), s, lifted
+
+
+def lifted_to_vertices(quotient: Quotient, values: Scalars | Complexes) -> Scalars | Complexes:
+    """Angles at vertices, or unit complex numbers, taken from the quotient to the cover."""
+    seen, sign = values[quotient.mesh.faces], quotient.mesh.corner_signs
+    out = np.empty(quotient.cover.mesh.n_vertices, dtype=values.dtype)
+    sign = (quotient.signs[:, None] * sign[quotient.faces]) > 0
+    seen = seen[quotient.faces]
+    opposite = seen.conj() if np.iscomplexobj(seen) else -seen
+    out[quotient.cover.mesh.faces] = np.where(sign, seen, opposite)
+    return out
+
+
+@pytest.mark.parametrize("degree", [2, 4, 6])
+def test_theta_on_the_quotient_is_that_of_all_sheets(degree: int) -> None:
+    """Conjugation at antipodes commutes with the matrix of the theta step: real below, it has the same
+    spectrum, and its smallest eigenvector is the one above, up to the constant that theta leaves free."""
+    mesh = shapes.sphere(faces=320)
+    quotient = branched_cover(smoothest_rosy(mesh, degree)).quotient
+    assert isinstance(quotient.mesh, TwistedMesh)
+    assert quotient.cover.mesh.n_components == 1
+    below, above, s, lifted = eq8(quotient)
+    small, large = below._turned(s), above._turned(lifted)
+    assert np.iscomplexobj(large)
+    assert not np.iscomplexobj(small)
+    # each in the metric of its mass, as in the inverse iteration
+    root, lifted_root = 1 / np.sqrt(np.repeat(below.mass, 2)), 1 / np.sqrt(above.mass)
+    values, vectors = np.linalg.eigh(root[:, None] * small.toarray() * root)
+    others, of_others = np.linalg.eigh(lifted_root[:, None] * large.toarray() * lifted_root)
+    np.testing.assert_allclose(values, others, rtol=1e-8, atol=1e-8 * values[-1])
+    assert values[1] > 1.001 * values[0]
+    z, expected = as_complex(root * vectors[:, 0]), lifted_root * of_others[:, 0]
+    gap = np.exp(1j * np.angle(lifted_to_vertices(quotient, z) * expected.conj()))
+    np.testing.assert_allclose(gap, gap[0], atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["jagged sphere", "genus 5", "two pieces"])
+def test_steps_of_theta_and_s_on_the_quotient_are_those_of_all_sheets(name: str) -> None:
+    """Eq. 8 has half the energy, and each of its steps takes an odd theta and an even s to such again."""
+    quotient = cover_of(name).quotient
+    below, above, s, lifted_s = eq8(quotient)
+    _, theta = below.eigenvector(below.start(0), None, s)
+    lifted = lifted_to_vertices(quotient, theta)
+    assert 2 * below.energy(theta, s) == pytest.approx(above.energy(lifted, lifted_s), rel=1e-12)
+    # what the small shift of the matrix leaves: a constant on a component that is not twisted
+    for _ in range(2):
+        theta, s = below.improve_both(theta, s)
+        s = below.improve_s(theta, s)
+        lifted, lifted_s = above.improve_both(lifted, lifted_s)
+        lifted_s = above.improve_s(lifted, lifted_s)
+        np.testing.assert_allclose(lifted_s, s[quotient.faces], rtol=1e-6)
+        np.testing.assert_allclose(
+            np.exp(1j * lifted), np.exp(1j * lifted_to_vertices(quotient, theta)), atol=1e-6
+        )
+    np.testing.assert_allclose(
+        np.exp(1j * above.improve_theta(lifted, lifted_s)),
+        np.exp(1j * lifted_to_vertices(quotient, below.improve_theta(theta, s))),
+        atol=1e-6,
+    )
+
+
+@pytest.mark.parametrize("degree", [4, 6])
+@pytest.mark.parametrize("name", ["jagged sphere", "genus 5", "Schwarz-P", "two pieces"])
+def test_antipodal_families_interleave_by_half_a_period(name: str, degree: int) -> None:
+    """theta is odd exactly: at level pi/2 the leaves of one sheet halve the gaps of its antipode's."""
+    cover = cover_of(name, degree)
+    lifted = cover.quotient.lifted(foliate(designed(cover.quotient.field), alternations=2))
+    faces, vertices = cover.antipodes
+    part = lifted.part
+    np.testing.assert_array_equal(part.kept[faces], part.kept)
+    place = np.full(cover.mesh.n_faces, -1)
+    place[part.faces] = np.arange(len(part.faces))
+    across = place[faces[part.faces]]
+    seen = lifted.circle.theta[part.mesh.faces]
+    np.testing.assert_array_equal(seen[across], -seen)
+    np.testing.assert_array_equal(lifted.circle.corner_jumps[across], -lifted.circle.corner_jumps)
+    np.testing.assert_array_equal(lifted.s[across], lifted.s)
+    assert set(vertices[part.vertices]) == set(part.vertices)
+    # a point of a leaf, seen on the antipodal sheet, is half a turn away from the leaves there
+    lines = isolines(lifted.circle)
+    corner, point = part.mesh.vertices[part.mesh.faces[lines.faces]], lines.points
+    basis = np.stack([corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]], axis=2)
+    share = np.linalg.pinv(basis) @ (point - corner[:, 0])[:, :, None]
+    jumps = lifted.circle.corner_jumps[across[lines.faces]]
+    regular = ~lifted.circle.dislocated[lines.faces]
+    opposite = seen[across[lines.faces], 0] + share[:, 0, 0] * jumps[:, 2] - share[:, 1, 0] * jumps[:, 1]
+    assert np.abs(wrapped(opposite - 1.5 * np.pi))[regular].max() < 1e-9
+
+
+def test_a_lifted_foliation_is_a_foliation() -> None:
+    cover = cover_of("jagged sphere")
+    found = foliate(designed(cover.quotient.field), alternations=3)
+    lifted = cover.quotient.lifted(found)
+    below, above = found.alignment, lifted.alignment
+    assert above.dislocations == 2 * below.dislocations
+    assert above.median == pytest.approx(below.median, rel=1e-9)
+    lines = cover.project(isolines(lifted))
+    assert lines.mesh is cover.rosy.mesh
+    assert len(lines) > 20
+
+
+def test_what_lies_elsewhere_is_not_lifted() -> None:
+    cover = cover_of("disk")
+    with pytest.raises(FieldError, match="on the mesh of the quotient"):
+        cover.quotient.lifted_field(cover.field)
+    with pytest.raises(FieldError, match="one of the quotient"):
+        cover.quotient.lifted(foliate(cover.field, alternations=1))

@@ -11,8 +11,8 @@ from geoweave import shapes
 from geoweave.errors import FieldError, MeshError
 from geoweave.fields import FaceField
 from geoweave.geodesic import INTEGRABLE_END, sharpening_schedule
-from geoweave.integration import bounded_minimum, edge_prediction, foliate, global_scale, punctured
-from geoweave.linalg import nested_dissection
+from geoweave.integration import edge_prediction, foliate, global_scale, punctured
+from geoweave.linalg import bounded_minimum, nested_dissection
 from geoweave.mesh import TriMesh
 from geoweave.rescaling import perpendicular
 from geoweave.singularities import vertex_indices
