@@ -53,3 +53,11 @@ def test_second_table_and_vorticity_are_the_published_ones():
     assert stated is not None
     assert float(stated[1]) == pytest.approx(before, abs=0.005)
     assert after <= float(stated[2])
+
+
+def test_the_table_of_integration_is_the_published_one():
+    published = pd.read_csv(ROOT / "figures" / "paper" / "fig15_integration.csv")
+    rows = published[published["model"] == "fertility"]
+    for row in rows.to_dict("records")[:5]:
+        line = f"| {row['method']} | {row['mean']:.1f}° | {row['median']:.1f}° | {row['dislocations']} |"
+        assert line in README
