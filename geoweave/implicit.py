@@ -1,4 +1,4 @@
-"""Procedural surfaces that are level sets: Schwarz-P, surfaces of any genus, a mechanical part.
+"""Procedural surfaces that are level sets: Schwarz-P, surfaces of any genus, stand-ins for scans.
 
 A level set is first triangulated on a grid (marching cubes), then remeshed evenly, and its vertices are put
 onto the level set by Newton steps along the gradient.
@@ -149,6 +149,75 @@ def rocker_arm(faces: int = 8_000) -> TriMesh:
         return -_joined(-body, bore, 0.06)
 
     return level_set(level, [-1.7, -0.75, -0.6], [1.6, 0.75, 0.6], faces, resolution=110)
+
+
+def bumpy_box(faces: int = 8_000) -> TriMesh:
+    """Build a rounded box with a bump in the middle of each side: a stand-in for the bumpy box of Fig. 19."""
+
+    def level(x: Vectors) -> Scalars:
+        solid = _box(x, [0.0, 0.0, 0.0], [1.0, 1.0, 1.0], 0.35)
+        for axis in range(3):
+            for side in (-1.0, 1.0):
+                center = np.zeros(3)
+                center[axis] = 0.75 * side
+                solid = _joined(solid, np.linalg.norm(x - center, axis=-1) - 0.55, 0.5)
+        return solid
+
+    return level_set(level, [-1.5] * 3, [1.5] * 3, faces, resolution=60)
+
+
+def vessel(faces: int = 8_000) -> TriMesh:
+    """Build a blood vessel that branches in two, with an aneurysm at the fork; three open ends.
+
+    It stands in for the scan of Fig. 18: a sac of high curvature on tubes that are nearly flat, no other
+    likeness.
+    """
+
+    def level(x: Vectors) -> Scalars:
+        rods = (
+            ([0.15, 0.05, -2.4], [0.0, -0.05, -0.7], 0.33, 0.31),
+            ([0.0, -0.05, -0.7], [0.0, 0.0, 0.0], 0.31, 0.30),
+            ([0.0, 0.0, 0.0], [-0.62, 0.0, 0.75], 0.27, 0.25),
+            ([-0.62, 0.0, 0.75], [-0.95, 0.15, 2.4], 0.25, 0.22),
+            ([0.0, 0.0, 0.0], [0.66, 0.05, 0.60], 0.26, 0.23),
+            ([0.66, 0.05, 0.60], [1.15, -0.15, 2.4], 0.23, 0.20),
+        )
+        solid = _capsule(x, *rods[0])
+        for rod in rods[1:]:
+            solid = _joined(solid, _capsule(x, *rod), 0.3)
+        return _joined(solid, np.linalg.norm(x - [0.05, 0.42, 0.42], axis=-1) - 0.52, 0.25)
+
+    return level_set(level, [-1.6, -0.8, -1.5], [1.8, 1.2, 1.5], faces, resolution=90)
+
+
+def crown(prongs: int = 9, faces: int = 12_000) -> TriMesh:
+    """Build the splash of a drop: a ring of water that rises into prongs, each ending in a droplet.
+
+    A stand-in for the crowning droplet of Fig. 22, which needs more singularities than a weave can take.
+
+    Raises
+    ------
+    MeshError
+        If there are fewer than three prongs or more than sixteen, which would touch.
+    """
+    if not 3 <= prongs <= 16:
+        raise MeshError(f"a crown has 3 to 16 prongs, not {prongs}")
+
+    def level(x: Vectors) -> Scalars:
+        out = np.hypot(x[..., 0], x[..., 1])
+        # One prong stands for all: the plane is folded into its sector.
+        sector = 2.0 * np.pi / prongs
+        angle = np.arctan2(x[..., 1], x[..., 0])
+        angle = np.abs(angle - sector * np.round(angle / sector))
+        folded = np.stack([out * np.cos(angle), out * np.sin(angle), x[..., 2]], axis=-1)
+        pool = _cylinder(x, [0.0, 0.0, -0.1], 2, radius=1.1, half=0.16, round_=0.12)
+        wall = np.stack([out, 0.0 * out, x[..., 2]], axis=-1)
+        solid = _joined(pool, _capsule(wall, [0.92, 0.0, 0.0], [1.06, 0.0, 0.45], 0.16, 0.12), 0.15)
+        prong = _capsule(folded, [1.06, 0.0, 0.40], [1.30, 0.0, 0.95], 0.13, 0.085)
+        drop = np.linalg.norm(folded - [1.33, 0.0, 1.02], axis=-1) - 0.17
+        return _joined(solid, _joined(prong, drop, 0.08), 0.15)
+
+    return level_set(level, [-1.6, -1.6, -0.4], [1.6, 1.6, 1.3], faces, resolution=110)
 
 
 def _joined(a: Scalars, b: Scalars, blend: float) -> Scalars:

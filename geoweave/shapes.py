@@ -10,20 +10,25 @@ import numpy as np
 
 from geoweave.arrays import Indices, Scalars, Triangles, Vectors
 from geoweave.errors import MeshError
-from geoweave.implicit import genus_g, rocker_arm, schwarz_p
+from geoweave.implicit import bumpy_box, crown, genus_g, rocker_arm, schwarz_p, vessel
 from geoweave.mesh import TriMesh
 
 __all__ = [
     "annulus",
+    "bumpy_box",
+    "cone",
+    "crown",
     "cylinder",
     "disk",
     "genus_g",
     "icosahedron",
     "rocker_arm",
+    "saddle",
     "schwarz_p",
     "sphere",
     "square",
     "torus",
+    "vessel",
 ]
 
 _GOLDEN = 0.5 * (1.0 + np.sqrt(5.0))
@@ -186,6 +191,66 @@ def disk(faces: int = 4_000) -> TriMesh:
     z = ring / n * np.exp(1j * (sextant + along) * np.pi / 3)
     points = np.stack([z.real, z.imag, np.zeros(len(z))], axis=1)
     return TriMesh(points, faces_[(faces_ >= 0).all(axis=1)])
+
+
+def cone(half_angle: float = 60.0, faces: int = 4_000) -> TriMesh:
+    """Build the cone with its apex at the origin, opening downwards, of side length 1; its rim is open.
+
+    The angle at the apex is ``2 pi sin(half_angle)``, all curvature sits there. The cone of Fig. 25 and of
+    RibbonSim's cone60 has 60 degrees between axis and side.
+
+    Parameters
+    ----------
+    half_angle : between the axis and the side, degrees, above 10 and below 90
+    faces : wanted number
+
+    Raises
+    ------
+    MeshError
+        If the angle is out of range or too few faces are asked for.
+    """
+    if not 10.0 < half_angle < 90.0:
+        raise MeshError(f"the half angle of a cone lies between 10 and 90 degrees, not at {half_angle}")
+    slope = np.radians(half_angle)
+    # Sectors of nearly equilateral triangles; ring r holds r points of each.
+    sectors = max(3, round(6.0 * np.sin(slope)))
+    _at_least(faces, sectors)
+    n = max(1, round(np.sqrt(faces / sectors)))
+    ring = np.repeat(np.arange(1, n + 1), sectors * np.arange(1, n + 1))
+    start = 1 + sectors * np.arange(n + 1) * (np.arange(n + 1) - 1) // 2
+    place = 1 + np.arange(len(ring)) - start[ring]
+
+    def point(ring: Indices, sector: Indices, step: Indices) -> Indices:
+        around = (sector * ring + step) % np.maximum(sectors * ring, 1)
+        return np.where(ring == 0, 0, start[ring] + around)
+
+    sector, step = np.divmod(place, ring)
+    outer = [point(ring, sector, step), point(ring, sector, step + 1)]
+    up = np.stack([point(ring - 1, sector, step), *outer], axis=1)
+    inner = [point(ring - 1, sector, step), point(ring - 1, sector, step + 1)]
+    down = np.stack([inner[0], outer[1], inner[1]], axis=1)[step < ring - 1]
+    angle = 2.0 * np.pi * place / (sectors * ring)
+    side = ring / n
+    points = np.stack(
+        [side * np.sin(slope) * np.cos(angle), side * np.sin(slope) * np.sin(angle), -side * np.cos(slope)],
+        axis=1,
+    )
+    return TriMesh(np.concatenate([np.zeros((1, 3)), points]), np.concatenate([up, down]))
+
+
+def saddle(depth: float = 0.5, faces: int = 4_000) -> TriMesh:
+    """Build the saddle ``z = depth (x^2 - y^2)`` over the unit disk, negatively curved everywhere.
+
+    Raises
+    ------
+    MeshError
+        If the depth is not between 0 and 1, where triangles would become thin.
+    """
+    if not 0.0 < depth <= 1.0:
+        raise MeshError(f"the depth of a saddle lies between 0 and 1, not at {depth}")
+    flat = disk(faces)
+    x, y, _ = flat.vertices.T
+    return TriMesh(np.stack([x, y, depth * (x**2 - y**2)], axis=1), flat.faces)
 
 
 def square(faces: int = 4_000) -> TriMesh:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from geoweave.implicit import level_set, rocker_arm, schwarz_p
+from geoweave.implicit import bumpy_box, crown, level_set, rocker_arm, schwarz_p, vessel
 
 
 def ball(x: np.ndarray) -> np.ndarray:
@@ -55,3 +55,39 @@ def test_the_rocker_arm_is_bored_through() -> None:
     assert (mesh.genus, len(mesh.boundary_loops), mesh.n_components) == (1, 0, 1)
     assert np.linalg.norm(mesh.vertices[:, :2], axis=1).min() > 0.2
     assert np.ptp(mesh.vertices, axis=0).argmax() == 0
+
+
+def test_the_bumpy_box_bulges_on_all_sides_alike() -> None:
+    mesh = bumpy_box(faces=3_000)
+    for axis in range(3):
+        top = mesh.vertices[:, axis]
+        for side in (-1, 1):
+            middle = mesh.vertices[np.argmax(side * top)]
+            # the farthest point is the middle of a side, beyond its edges at 1
+            assert np.abs(np.delete(middle, axis)).max() < 0.2
+            assert abs(middle[axis]) == pytest.approx(1.3, abs=0.1)
+
+
+def test_the_vessel_has_three_open_ends_and_a_sac() -> None:
+    mesh = vessel(faces=4_000)
+    heights = sorted(float(mesh.vertices[loop][:, 2].mean()) for loop in mesh.boundary_loops)
+    np.testing.assert_allclose(heights, [-1.5, 1.5, 1.5], atol=1e-9)
+    for loop in mesh.boundary_loops:
+        np.testing.assert_allclose(
+            mesh.vertices[loop][:, 2], heights[0 if mesh.vertices[loop[0], 2] < 0 else 1]
+        )
+        assert np.ptp(mesh.vertices[loop], axis=0)[:2].max() < 0.8
+    away = np.linalg.norm(mesh.vertices - [0.05, 0.42, 0.42], axis=1)
+    sac = np.abs(away - 0.52) < 1e-6
+    # more than a third of a ball of that radius stands free
+    assert mesh.face_areas[sac[mesh.faces].all(axis=1)].sum() > 4 * np.pi * 0.52**2 / 3
+
+
+@pytest.mark.parametrize("prongs", [5, 9])
+def test_the_crown_has_its_prongs(prongs: int) -> None:
+    mesh = crown(prongs, faces=6_000)
+    x, y, z = mesh.vertices.T
+    high = np.flatnonzero(z > 1.0)
+    sector = np.round(np.arctan2(y[high], x[high]) / (2 * np.pi / prongs)).astype(int) % prongs
+    np.testing.assert_array_equal(np.unique(sector), np.arange(prongs))
+    assert (mesh.genus, mesh.n_components, len(mesh.boundary_loops)) == (0, 1, 0)

@@ -20,6 +20,13 @@ TOPOLOGY = {
     "genus 2": (lambda: shapes.genus_g(2, faces=2_000), 2, 0),
     "genus 5": (lambda: shapes.genus_g(5, faces=3_000), 5, 0),
     "rocker arm": (lambda: shapes.rocker_arm(faces=3_000), 1, 0),
+    "flat icosahedron": (lambda: shapes.icosahedron(faces=720), 0, 0),
+    "cone": (lambda: shapes.cone(faces=2_000), 0, 1),
+    "steep cone": (lambda: shapes.cone(half_angle=20.0, faces=2_000), 0, 1),
+    "saddle": (lambda: shapes.saddle(faces=2_000), 0, 1),
+    "bumpy box": (lambda: shapes.bumpy_box(faces=3_000), 0, 0),
+    "vessel": (lambda: shapes.vessel(faces=3_000), 0, 3),
+    "crown": (lambda: shapes.crown(faces=6_000), 0, 0),
 }
 
 
@@ -52,6 +59,11 @@ def test_triangles_are_good_and_even(name: str) -> None:
 @pytest.mark.parametrize("name", [name for name, (_, _, loops) in TOPOLOGY.items() if loops == 0])
 def test_closed_surfaces_have_their_normals_outside(name: str) -> None:
     assert volume(TOPOLOGY[name][0]()) > 0
+
+
+@pytest.mark.parametrize("name", ["cone", "saddle"])
+def test_graphs_look_up(name: str) -> None:
+    assert TOPOLOGY[name][0]().face_normals[:, 2].min() > 0
 
 
 @pytest.mark.parametrize("name", ["disk", "annulus", "square"])
@@ -115,6 +127,50 @@ def test_flat_areas_and_round_rims() -> None:
     np.testing.assert_allclose(np.minimum(np.abs(out - 0.4), np.abs(out - 1.0)), 0.0, atol=1e-12)
 
 
+def test_the_flat_icosahedron_has_its_curvature_at_twelve_corners() -> None:
+    mesh = shapes.icosahedron(faces=720)
+    assert mesh.n_faces == 720
+    curved = np.flatnonzero(np.abs(mesh.angle_defects) > 1e-9)
+    assert len(curved) == 12
+    np.testing.assert_allclose(mesh.angle_defects[curved], np.pi / 3, rtol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(mesh.vertices[curved], axis=1), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(mesh.corner_angles, np.pi / 3, rtol=1e-9)
+
+
+@pytest.mark.parametrize("half_angle", [15.0, 30.0, 60.0, 80.0])
+def test_the_cone(half_angle: float) -> None:
+    mesh = shapes.cone(half_angle, faces=4_000)
+    assert mesh.n_faces == pytest.approx(4_000, rel=0.1)
+    slope = np.radians(half_angle)
+    out, down = np.hypot(*mesh.vertices.T[:2]), -mesh.vertices[:, 2]
+    np.testing.assert_allclose(out, down * np.tan(slope), atol=1e-12)
+    np.testing.assert_allclose(np.hypot(out, down)[mesh.boundary_vertices], 1.0, rtol=1e-12)
+    # the rings are polygons, so the angle at the apex and the area are a little small on steep cones
+    apex = int(np.argmin(down))
+    assert mesh.vertices[apex].tolist() == [0.0, 0.0, 0.0]
+    assert area(mesh) == pytest.approx(np.pi * np.sin(slope), rel=5e-3)
+    assert mesh.face_normals[:, 2].min() > 0
+    fine = np.zeros(mesh.n_vertices, dtype=bool)
+    fine[np.argsort(down)[200:]] = True
+    inside = ~mesh.boundary_vertices
+    rest = mesh.angle_defects[inside & fine].sum()
+    assert abs(rest) < 0.05
+    near = mesh.angle_defects[inside & ~fine].sum()
+    assert near == pytest.approx(2 * np.pi * (1 - np.sin(slope)), abs=0.05)
+
+
+def test_the_saddle_is_negatively_curved() -> None:
+    mesh = shapes.saddle(0.5, faces=4_000)
+    x, y, z = mesh.vertices.T
+    np.testing.assert_allclose(z, 0.5 * (x**2 - y**2), atol=1e-12)
+    inside = ~mesh.boundary_vertices
+    assert mesh.angle_defects[inside].max() < 0
+    # integral of K dA = -4 depth^2 / (1 + 4 depth^2 r^2)^(3/2) dx dy over the disk
+    d = 0.5
+    total = -2 * np.pi * (1 - 1 / np.sqrt(1 + 4 * d**2))
+    assert mesh.angle_defects[inside].sum() == pytest.approx(total, rel=0.05)
+
+
 @pytest.mark.parametrize(
     "build",
     [
@@ -125,6 +181,13 @@ def test_flat_areas_and_round_rims() -> None:
         lambda: shapes.disk(faces=2),
         lambda: shapes.genus_g(-1),
         lambda: shapes.schwarz_p(cells=0),
+        lambda: shapes.icosahedron(faces=4),
+        lambda: shapes.cone(90.0),
+        lambda: shapes.cone(5.0),
+        lambda: shapes.cone(faces=2),
+        lambda: shapes.saddle(0.0),
+        lambda: shapes.saddle(3.0),
+        lambda: shapes.crown(prongs=2),
     ],
 )
 def test_shapes_that_cannot_be_are_refused(build) -> None:
