@@ -111,7 +111,7 @@ def cyclic() -> LinearSegmentedColormap:
 
 
 def scientific(value: float) -> str:
-    """Write a number for a caption: 1e-8 as 10⁻⁸, 2.5e-6 as 2.5 · 10⁻⁶; 0 and 0.01 to 99,999 without a power."""
+    """Write a number for a caption: 1e-8 as 10⁻⁸, 2.5e-6 as 2.5 · 10⁻⁶; 0.01 to 99,999 plainly."""
     if value == 0 or 0.01 <= abs(value) < 1e5:
         return f"{value:,g}"
     digits, power = f"{value:.2e}".split("e")
