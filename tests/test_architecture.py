@@ -54,6 +54,7 @@ LAYERS = (
     ),
     ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
     ("covers", {"cover"}),
+    ("weaves", {"ribbons"}),
     ("models of the figures", {"models"}),
     ("the artifact", {"claims", "doctor", "execution", "notebooks", "progress", "runner"}),
     ("the command", {"__main__", "cli", "design", "terminal"}),

@@ -1,0 +1,318 @@
+"""From level sets to ribbons: cut where they bend, drop the short, extend to a crossing (Section 5.2).
+
+Ribbons stay `Curves`, exact on the surface. All lengths are shares of the spacing of the ribbons, so that
+one set of numbers serves every model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
+from geoweave.curves import Curves, geodesic_curvature
+from geoweave.errors import FieldError
+from geoweave.straightest import Crossings, crossings, straightest
+
+
+@dataclass(frozen=True)
+class Cutting:
+    """The numbers of the clean-up, in units of the spacing d between neighbours of one family.
+
+    Attributes
+    ----------
+    sharpest : a ribbon is cut where its geodesic curvature exceeds this, 1 / d; the sharp stretch is left out
+    shortest : pieces shorter than this are dropped, d
+    reach : how far an open end may be extended along a geodesic to its first crossing, d
+    tail : what is left of a ribbon beyond its last crossing, d
+
+    Raises
+    ------
+    FieldError
+        If a number is not positive, or the tail is longer than the reach.
+    """
+
+    sharpest: float = 1.0
+    shortest: float = 3.0
+    reach: float = 2.0
+    tail: float = 0.25
+
+    def __post_init__(self) -> None:
+        for name in ("sharpest", "shortest", "reach", "tail"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise FieldError(f"'{name}' of the ribbons must be a positive number, not {value}")
+        if self.tail > self.reach:
+            raise FieldError(f"a tail of {self.tail} is longer than the reach of {self.reach}")
+
+
+@dataclass(frozen=True, eq=False)
+class Ribbons:
+    """Centrelines of ribbons on a surface, and where they cross.
+
+    Attributes
+    ----------
+    curves : the centrelines
+    crossings : every crossing, of two ribbons or of one with itself
+    origin : (n,) level set that each ribbon was cut from
+    spacing : mean distance d between neighbours of one family, a length
+    """
+
+    curves: Curves
+    crossings: Crossings
+    origin: Indices
+    spacing: float
+
+    def __len__(self) -> int:
+        return len(self.curves)
+
+
+def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = None) -> Ribbons:
+    """Make ribbons of level sets drawn on a surface (the post-processing of Section 5.2).
+
+    Cut where the geodesic curvature is too high, drop what is short, extend open ends along straightest
+    geodesics, also across punctures, to the first crossing, and trim them there; ribbons that became too
+    short are dropped, and ends that they held are trimmed back to a crossing that is left.
+
+    Parameters
+    ----------
+    level_sets : on the whole surface, of all families together
+    families : how many families there are, for the spacing ``families A / length``, A the area
+    cutting : the numbers
+
+    Raises
+    ------
+    FieldError
+        If there is no level set, or nothing is left.
+    """
+    numbers = cutting or Cutting()
+    if not len(level_sets):
+        raise FieldError("there is no level set to make ribbons of; ask for a larger scale")
+    spacing = families * float(level_sets.mesh.face_areas.sum() / level_sets.lengths.sum())
+    pieces, origin = _cut(level_sets, numbers.sharpest / spacing, numbers.shortest * spacing)
+    if not len(pieces):
+        raise FieldError(
+            f"all level sets are shorter than {numbers.shortest * spacing:.3g}; ask for a larger scale"
+        )
+    longer, spans = _extended(pieces, numbers.reach * spacing)
+    kept, start, end = _trimmed(longer, spans, numbers.tail * spacing)
+    while True:
+        kept &= longer.closed | (end - start >= numbers.shortest * spacing)
+        if not kept.any():
+            raise FieldError("no ribbon is left: none crosses another; ask for a larger scale")
+        which = np.flatnonzero(kept)
+        found = stretches(longer, which, start[which], end[which])
+        met = crossings(found)
+        loose = _loose(found, met, numbers.tail * spacing)
+        if not loose.any():
+            return Ribbons(found, met, frozen(origin[which]), spacing)
+        # What held these ends was itself trimmed or dropped: back to the last crossing that is left.
+        first, last = _outermost(met, len(found))
+        start[which] += np.where(loose[:, 0], np.maximum(first - numbers.tail * spacing, 0.0), 0.0)
+        back = np.maximum(found.lengths - last - numbers.tail * spacing, 0.0)
+        end[which] -= np.where(loose[:, 1], back, 0.0)
+        kept[which] = np.isfinite(first)
+
+
+def stretches(
+    curves: Curves, which: Indices, start: Scalars | None = None, end: Scalars | None = None
+) -> Curves:
+    """Take stretches of curves, from one arc length to another.
+
+    Parameters
+    ----------
+    curves : the curves
+    which : (n,) the curve of each stretch
+    start, end : (n,) arc lengths, ``start < end``; the whole curve if not given. On a closed curve the end
+        may lie beyond its length, and a stretch as long as the curve stays closed.
+    """
+    begin = np.zeros(len(which)) if start is None else start
+    stop = curves.lengths[which] if end is None else end
+    points, faces, turning, sliding, sizes, closed = [], [], [], [], [], []
+    for c, a, b in zip(which, begin, stop, strict=True):
+        own = np.arange(curves.offsets[c], curves.offsets[c + 1])
+        length = float(curves.lengths[c])
+        if curves.closed[c] and b - a >= length * (1 - 1e-12):
+            points.append(curves.points[own])
+            faces.append(curves.faces[own])
+            turning.append(curves.turning[own])
+            sliding.append(curves.sliding[own])
+            sizes.append(len(own))
+            closed.append(True)
+            continue
+        at = curves.arclength[own]
+        if curves.closed[c]:  # twice round, so that a stretch may pass the first point
+            own, at = np.concatenate([own, own]), np.concatenate([at, at + length])
+        near = 1e-9 * length
+        inner = np.flatnonzero((at > a + near) & (at < b - near))
+        first = max(int(np.searchsorted(at, a + near, side="right")) - 1, 0)
+        last = int(inner[-1]) if len(inner) else first
+        ends = [
+            curves.points[own[k]]
+            + (s - at[k]) / max(curves.segment_lengths[own[k]], 1e-300) * curves.segments[own[k]]
+            for k, s in ((first, a), (last, b))
+        ]
+        points.append(np.concatenate([ends[:1], curves.points[own[inner]], ends[1:]]))
+        faces.append(curves.faces[np.concatenate([own[[first]], own[inner], own[[last]]])])
+        turning.append(np.concatenate([[0.0], curves.turning[own[inner]], [0.0]]))
+        sliding.append(np.concatenate([curves.sliding[own[[first]]], curves.sliding[own[inner]], [False]]))
+        sizes.append(len(inner) + 2)
+        closed.append(False)
+    if not sizes:
+        none = np.zeros(0, dtype=np.int64)
+        return Curves(
+            curves.mesh,
+            np.zeros((0, 3)),
+            none,
+            np.zeros(0),
+            np.zeros(0, bool),
+            np.zeros(1, np.int64),
+            np.zeros(0, bool),
+        )
+    return Curves(
+        curves.mesh,
+        np.concatenate(points),
+        np.concatenate(faces),
+        np.concatenate(turning),
+        np.concatenate(sliding),
+        np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
+        np.array(closed, dtype=bool),
+    )
+
+
+def _cut(curves: Curves, sharpest: float, shortest: float) -> tuple[Curves, Indices]:
+    """Leave out what bends more than allowed, and pieces that are too short."""
+    bends = np.abs(geodesic_curvature(curves)) > sharpest
+    which, start, end = [], [], []
+    for c in range(len(curves)):
+        own = slice(int(curves.offsets[c]), int(curves.offsets[c + 1]))
+        at, length, sharp = curves.arclength[own], float(curves.lengths[c]), bends[own]
+        if not sharp.any():
+            spans = [(0.0, length)]
+        else:
+            cuts = at[sharp]
+            # Gaps between sharp points; round a closed curve the last gap passes its first point.
+            lows = cuts if curves.closed[c] else np.concatenate([[0.0], cuts])
+            highs = np.append(cuts[1:], cuts[0] + length) if curves.closed[c] else np.append(cuts, length)
+            spans = list(zip(lows, highs, strict=True))
+        for low, high in spans:
+            if high - low >= shortest:
+                which.append(c)
+                start.append(low)
+                end.append(high)
+    chosen = np.array(which, dtype=np.int64)
+    return stretches(curves, chosen, np.array(start), np.array(end)), chosen
+
+
+def _extended(curves: Curves, reach: float) -> tuple[Curves, Scalars]:
+    """Continue open ends straight on; (n, 2) where the given curve starts and ends on the longer one."""
+    mesh = curves.mesh
+    goes_on = ~_on_boundary(curves) & ~curves.closed[:, None]
+    first, last = curves.offsets[:-1], curves.offsets[1:] - 1
+    tips = [first[goes_on[:, 0]], last[goes_on[:, 1]]]
+    # A segment belongs to the point it starts from, so the last one to the last point but one.
+    sides = [(tips[0], -curves.segments[tips[0]]), (tips[1] - 1, curves.segments[tips[1] - 1])]
+    more = [
+        straightest(mesh, curves.faces[at], heading, reach, points=curves.points[tip]) if len(tip) else None
+        for tip, (at, heading) in zip(tips, sides, strict=True)
+    ]
+    number = np.cumsum(goes_on, axis=0) - 1
+    points: list[Vectors] = []
+    faces: list[Indices] = []
+    turning: list[Scalars] = []
+    sliding: list[Flags] = []
+    spans = np.stack([np.zeros(len(curves)), curves.lengths], axis=1)
+    for c in range(len(curves)):
+        own = slice(int(curves.offsets[c]), int(curves.offsets[c + 1]))
+        pieces = [(curves.points[own], curves.faces[own], curves.turning[own], curves.sliding[own])]
+        if goes_on[c, 0] and more[0] is not None:
+            behind = more[0][int(number[c, 0])]
+            spans[c] += more[0].lengths[number[c, 0]]
+            still = np.zeros(len(behind.points) - 1, dtype=bool)
+            # Turned round, a segment belongs to the point at its other end.
+            pieces.insert(0, (behind.points[:0:-1], behind.faces[-2::-1], -behind.turning[:0:-1], still))
+        if goes_on[c, 1] and more[1] is not None:
+            front = more[1][int(number[c, 1])]
+            still = np.zeros(len(front.points) - 1, dtype=bool)
+            there, under, turns, slides = pieces[-1]
+            pieces[-1] = (there, np.append(under[:-1], front.faces[0]), turns, slides)
+            pieces.append((front.points[1:], front.faces[1:], front.turning[1:], still))
+        points.append(np.concatenate([each[0] for each in pieces]))
+        faces.append(np.concatenate([each[1] for each in pieces]))
+        turning.append(np.concatenate([each[2] for each in pieces]))
+        sliding.append(np.concatenate([each[3] for each in pieces]))
+    sizes = [len(each) for each in points]
+    longer = Curves(
+        mesh,
+        np.concatenate(points),
+        np.concatenate(faces),
+        np.concatenate(turning),
+        np.concatenate(sliding),
+        np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
+        curves.closed.copy(),
+    )
+    return longer, spans
+
+
+def _trimmed(longer: Curves, spans: Scalars, tail: float) -> tuple[Flags, Scalars, Scalars]:
+    """Which curves cross any, and where each is to start and end.
+
+    An end goes a tail beyond the first crossing outside the curve's own part or, where its extension meets
+    none, beyond the last one inside. A crossing counts if the other curve is there with its own part.
+    """
+    met = crossings(longer)
+    low, high = spans[met.curves, 0], spans[met.curves, 1]
+    own = (met.arclength >= low - tail) & (met.arclength <= high + tail)
+    owner, at, firm = met.curves.ravel(), met.arclength.ravel(), own[:, ::-1].ravel()
+    order = np.lexsort((at, owner))
+    order = order[firm[order]]
+    owner, at = owner[order], at[order]
+    bounds = np.searchsorted(owner, np.arange(len(longer) + 1))
+    at_rim = _on_boundary(longer)
+    start, end = np.zeros(len(longer)), longer.lengths.copy()
+    crossed = np.diff(bounds) > 0
+    for c in np.flatnonzero(~longer.closed & crossed):
+        there = at[bounds[c] : bounds[c + 1]]
+        before, after = there[there <= spans[c, 0]], there[there >= spans[c, 1]]
+        first = before[-1] if len(before) else there[0]
+        last = after[0] if len(after) else there[-1]
+        # An end that came to the boundary before it met anything stays there.
+        if len(before) or not at_rim[c, 0]:
+            start[c] = max(first - tail, 0.0)
+        if len(after) or not at_rim[c, 1]:
+            end[c] = min(last + tail, longer.lengths[c])
+    return crossed, start, end
+
+
+def _outermost(met: Crossings, count: int) -> tuple[Scalars, Scalars]:
+    """(count,) arc length of the first and the last crossing on each curve, inf and -inf without one."""
+    owner, at = met.curves.ravel(), met.arclength.ravel()
+    first, last = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(first, owner, at)
+    np.maximum.at(last, owner, at)
+    return first, last
+
+
+def _loose(curves: Curves, met: Crossings, tail: float) -> Flags:
+    """(n, 2) open ends without a crossing within a tail of them, unless they lie on the boundary."""
+    first, last = _outermost(met, len(curves))
+    away = np.stack([first, curves.lengths - last], axis=1)
+    beyond = away > tail + 1e-6 * curves.mesh.mean_edge
+    return np.asarray(beyond & ~_on_boundary(curves) & ~curves.closed[:, None])
+
+
+def _on_boundary(curves: Curves) -> Flags:
+    """(n, 2) whether start and end of each curve lie on the boundary of the surface."""
+    mesh = curves.mesh
+    ends = np.stack([curves.offsets[:-1], curves.offsets[1:] - 1], axis=1)
+    face, point = curves.faces[ends], curves.points[ends]
+    corners = mesh.vertices[mesh.faces[face]]
+    found = np.zeros(ends.shape, dtype=bool)
+    for k in range(3):
+        a, b = corners[..., (k + 1) % 3, :], corners[..., (k + 2) % 3, :]
+        along = b - a
+        share = np.clip(((point - a) * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
+        off = np.linalg.norm(point - a - share[..., None] * along, axis=-1)
+        found |= (mesh.face_neighbors[face, k] < 0) & (off < 1e-6 * mesh.mean_edge)
+    return found

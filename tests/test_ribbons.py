@@ -1,0 +1,157 @@
+"""Ribbons: stretches are exact, ends hold, what bends or is short goes."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import geoweave as gw
+from geoweave import shapes
+from geoweave.cover import branched_cover
+from geoweave.curves import Curves, geodesic_curvature
+from geoweave.errors import FieldError
+from geoweave.integration import foliate
+from geoweave.isolines import isolines
+from geoweave.mesh import TriMesh
+from geoweave.ribbons import Cutting, Ribbons, ribbons, stretches
+from geoweave.rosy import smoothest_rosy
+from geoweave.straightest import straightest
+
+
+@cache
+def level_sets(name: str) -> Curves:
+    mesh = {
+        "torus": lambda: shapes.torus(faces=3000),
+        "sphere": lambda: shapes.sphere(faces=3000),
+        "square": lambda: shapes.square(faces=2000),
+        "genus 3": lambda: shapes.genus_g(3, faces=3000),
+    }[name]()
+    cover = branched_cover(smoothest_rosy(mesh.normalized()[0], degree=6))
+    quotient = cover.quotient
+    field = gw.geodesic_field(quotient.field, smoothness=[quotient.mesh.mean_edge**2]).field
+    return cover.project(isolines(quotient.lifted(foliate(field, scale=0.7))))
+
+
+@cache
+def made(name: str) -> Ribbons:
+    return ribbons(level_sets(name))
+
+
+NAMES = ("torus", "sphere", "square", "genus 3")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_end_is_held_and_no_ribbon_is_short(name: str) -> None:
+    found, numbers = made(name), Cutting()
+    curves, tail = found.curves, numbers.tail * found.spacing
+    open_ones = ~curves.closed
+    assert (curves.lengths[open_ones] >= numbers.shortest * found.spacing - 1e-12).all()
+    at = [np.full(len(found), np.inf), np.full(len(found), -np.inf)]
+    np.minimum.at(at[0], found.crossings.curves.ravel(), found.crossings.arclength.ravel())
+    np.maximum.at(at[1], found.crossings.curves.ravel(), found.crossings.arclength.ravel())
+    rim = np.linalg.norm(curves.mesh.vertices[curves.mesh.edges[curves.mesh.boundary_edges]], axis=2)
+    for c in np.flatnonzero(open_ones):
+        first, last = curves.points[curves.offsets[c]], curves.points[curves.offsets[c + 1] - 1]
+        for tip, away in ((first, at[0][c]), (last, curves.lengths[c] - at[1][c])):
+            # The square's boundary is where a coordinate is extreme.
+            at_rim = len(rim) and np.isclose(np.abs(tip[:2]).max(), np.abs(curves.mesh.vertices[:, :2]).max())
+            assert at_rim or away <= tail * (1 + 1e-6), f"ribbon {c} hangs loose"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_segments_lie_in_their_faces(name: str) -> None:
+    curves = made(name).curves
+    mesh = curves.mesh
+    running = curves.segment_lengths > 0
+    for points in (curves.points, curves.points + curves.segments):
+        offset = points[running] - mesh.barycenters[curves.faces[running]]
+        normal = mesh.face_normals[curves.faces[running]]
+        assert np.abs((offset * normal).sum(axis=1)).max() < 1e-9
+        assert (np.linalg.norm(offset, axis=1) < mesh.edge_lengths.max()).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_crossings_are_those_of_three_families(name: str) -> None:
+    """Sixty degrees in the median, as ribbons of a triaxial weave cross."""
+    met = made(name).crossings
+    angle = np.degrees(np.abs(met.angle))
+    assert np.median(np.minimum(angle, 180 - angle)) == pytest.approx(60, abs=6)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_little_is_lost_and_ribbons_are_as_straight_as_level_sets(name: str) -> None:
+    before, after = level_sets(name), made(name).curves
+    assert after.lengths.sum() > 0.9 * before.lengths.sum()
+    bending = [
+        np.average(np.abs(geodesic_curvature(each)), weights=each.segment_lengths) for each in (before, after)
+    ]
+    assert bending[1] < 1.05 * bending[0]
+
+
+def circle_and_ray() -> Curves:
+    """A closed polyline of 40 points round a disk and a straight line, on one mesh."""
+    mesh = shapes.disk(faces=500)
+    turned = isolines_of_radius(mesh)
+    line = straightest(mesh, [0], [[1.0, 0.2, 0.0]], 0.5)
+    return joined(turned, line)
+
+
+def isolines_of_radius(mesh: TriMesh) -> Curves:
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    tail, head = mesh.edges.T
+    return isolines(gw.CircleFunction(mesh, radius, radius[head] - radius[tail]), [0.6])
+
+
+def joined(one: Curves, two: Curves) -> Curves:
+    return Curves(
+        one.mesh,
+        *(
+            np.concatenate([getattr(one, k), getattr(two, k)])
+            for k in ("points", "faces", "turning", "sliding")
+        ),
+        np.concatenate([one.offsets, one.offsets[-1] + two.offsets[1:]]),
+        np.concatenate([one.closed, two.closed]),
+    )
+
+
+def test_stretches_have_the_lengths_asked_for() -> None:
+    curves = circle_and_ray()
+    assert curves.closed.tolist() == [True, False]
+    round_ = curves.lengths[0]
+    which = np.array([0, 0, 1, 1, 0])
+    start = np.array([0.1, 0.9 * round_, 0.0, 0.2, 0.0])
+    end = np.array([0.3, 1.2 * round_, 0.5, 0.21, round_])
+    found = stretches(curves, which, start, end)
+    np.testing.assert_allclose(found.lengths, end - start, rtol=1e-9)
+    assert found.closed.tolist() == [False, False, False, False, True]
+    # All points of the closed curve lie between the level's circle and the chord of a facet.
+    radius = np.linalg.norm(found[1].points, axis=1)
+    assert 0.55 < radius.min() <= radius.max() < 0.601
+
+
+def test_what_bends_too_much_is_cut_out() -> None:
+    """Of two circles the one of curvature 1 / 0.15 goes, that of 1 / 0.6 stays closed."""
+    mesh = shapes.disk(faces=4000)
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    tail, head = mesh.edges.T
+    circles = isolines(gw.CircleFunction(mesh, radius, radius[head] - radius[tail]), [0.15, 0.6])
+    assert circles.closed.tolist() == [True, True]
+    spacing = float(mesh.face_areas.sum() / circles.lengths.sum())
+    found = ribbons(circles, families=1, cutting=Cutting(sharpest=3.0 * spacing, shortest=1.0))
+    assert len(found) == 1
+    assert found.curves.closed.all()
+    assert found.origin.tolist() == [1]
+    assert found.curves.lengths[0] == pytest.approx(2 * np.pi * 0.6, rel=0.01)
+
+
+def test_what_cannot_be_is_refused() -> None:
+    with pytest.raises(FieldError, match="'reach'"):
+        Cutting(reach=0.0)
+    with pytest.raises(FieldError, match="tail"):
+        Cutting(tail=3.0)
+    with pytest.raises(FieldError, match="larger scale"):
+        ribbons(stretches(level_sets("torus"), np.zeros(0, dtype=np.int64)))
+    with pytest.raises(FieldError, match="shorter than"):
+        ribbons(level_sets("torus"), cutting=Cutting(shortest=1e6))
