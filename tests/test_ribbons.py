@@ -132,18 +132,23 @@ def test_stretches_have_the_lengths_asked_for() -> None:
 
 
 def test_what_bends_too_much_is_cut_out() -> None:
-    """Of two circles the one of curvature 1 / 0.15 goes, that of 1 / 0.6 stays closed."""
+    """Of two circles on a diameter the one of curvature 1 / 0.15 goes, that of 1 / 0.6 stays closed."""
     mesh = shapes.disk(faces=4000)
     radius = np.linalg.norm(mesh.vertices, axis=1)
     tail, head = mesh.edges.T
     circles = isolines(gw.CircleFunction(mesh, radius, radius[head] - radius[tail]), [0.15, 0.6])
     assert circles.closed.tolist() == [True, True]
-    spacing = float(mesh.face_areas.sum() / circles.lengths.sum())
-    found = ribbons(circles, families=1, cutting=Cutting(sharpest=3.0 * spacing, shortest=1.0))
-    assert len(found) == 1
-    assert found.curves.closed.all()
-    assert found.origin.tolist() == [1]
+    middle = int(np.argmin(np.linalg.norm(mesh.barycenters, axis=1)))
+    both = joined(circles, straightest(mesh, [middle], [[1.0, 0.1, 0.0]], 0.9, behind=0.9))
+    spacing = float(mesh.face_areas.sum() / both.lengths.sum())
+    numbers = Cutting(sharpest=3.0 * spacing, shortest=1.0, tail=0.1)
+    found = ribbons(both, families=1, cutting=numbers)
+    assert found.origin.tolist() == [1, 2]
+    assert found.curves.closed.tolist() == [True, False]
     assert found.curves.lengths[0] == pytest.approx(2 * np.pi * 0.6, rel=0.01)
+    # The diameter is trimmed to the circle it crosses twice, and a tail at either end.
+    assert found.curves.lengths[1] == pytest.approx(1.2 + 0.2 * spacing, rel=0.01)
+    assert len(found.crossings) == 2
 
 
 def test_what_cannot_be_is_refused() -> None:
