@@ -139,9 +139,9 @@ def test_what_bends_too_much_is_cut_out() -> None:
     circles = isolines(gw.CircleFunction(mesh, radius, radius[head] - radius[tail]), [0.15, 0.6])
     assert circles.closed.tolist() == [True, True]
     middle = int(np.argmin(np.linalg.norm(mesh.barycenters, axis=1)))
-    both = joined(circles, straightest(mesh, [middle], [[1.0, 0.1, 0.0]], 0.9, behind=0.9))
+    both = joined(circles, straightest(mesh, [middle], [[1.0, 0.1, 0.0]], 0.7, behind=0.7))
     spacing = float(mesh.face_areas.sum() / both.lengths.sum())
-    numbers = Cutting(sharpest=3.0 * spacing, shortest=1.0, tail=0.1)
+    numbers = Cutting(sharpest=3.0 * spacing, shortest=1.0, reach=0.2, tail=0.1)
     found = ribbons(both, families=1, cutting=numbers)
     assert found.origin.tolist() == [1, 2]
     assert found.curves.closed.tolist() == [True, False]
