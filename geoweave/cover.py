@@ -66,17 +66,17 @@ class Cover:
         """The lifted RoSy: on each face the unit vector of its sheet (w^0 of Section 5.2)."""
         return FaceField(self.mesh, self.rosy.vectors[self.faces, self.sheets])
 
-    @cached_property
-    def next_sheet(self) -> tuple[Indices, Indices]:
-        """The turn by one sheet, which takes the cover to itself: the image of each face and vertex.
+    def turned(self, sheets: int = 1) -> tuple[Indices, Indices]:
+        """The turn by so many sheets, which takes the cover to itself: the image of each face and vertex.
 
-        The gluings are shifts, so they commute with it; after N turns everything is back.
+        The gluings are shifts, so they commute with it; after N sheets everything is back.
 
         Returns
         -------
-        faces, vertices : (N F',) and (V',) permutations
+        faces, vertices : (N F',) and (V',) permutations; on `field` the turn by one sheet is that
+            of every vector by an N-th of a turn
         """
-        faces = np.roll(np.arange(self.mesh.n_faces), -len(self.part.faces))
+        faces = np.roll(np.arange(self.mesh.n_faces), -sheets * len(self.part.faces))
         vertices = np.empty(self.mesh.n_vertices, dtype=np.int64)
         vertices[self.mesh.faces] = self.mesh.faces[faces]
         return frozen(faces), frozen(vertices)
@@ -96,10 +96,7 @@ class Cover:
         """
         if self.degree % 2:
             raise FieldError(f"a cover of {self.degree} sheets has no antipodes: their number is odd")
-        faces = np.roll(np.arange(self.mesh.n_faces), -(self.degree // 2) * len(self.part.faces))
-        vertices = np.empty(self.mesh.n_vertices, dtype=np.int64)
-        vertices[self.mesh.faces] = self.mesh.faces[faces]
-        return frozen(faces), frozen(vertices)
+        return self.turned(self.degree // 2)
 
     @cached_property
     def quotient(self) -> Quotient:

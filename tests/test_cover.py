@@ -91,7 +91,7 @@ def test_antipodes(name: str) -> None:
 
 def test_the_turn_by_one_sheet_has_order_n() -> None:
     cover = cover_of("jagged sphere", 5)
-    faces, vertices = cover.next_sheet
+    faces, vertices = cover.turned()
     np.testing.assert_array_equal(cover.mesh.faces[faces], vertices[cover.mesh.faces])
     np.testing.assert_allclose(
         cover.field.values[faces], cover.field.values * np.exp(2j * np.pi / 5), atol=1e-12
