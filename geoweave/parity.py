@@ -1,0 +1,328 @@
+"""Two-valued labels with wanted agreements and disagreements: as few broken as possible, with a proof.
+
+A graph whose edges each ask that their ends agree (parity 0) or differ (parity 1). All wishes can be met
+exactly when no cycle has odd parity; otherwise every odd cycle breaks at least one of them, and the broken
+edges of a best labelling are a smallest set that meets every odd cycle. This is Max-Cut, NP-hard in general
+(Poljak and Tuza 1994); on planar graphs the linear program over odd cycles has integer corners (Barahona and
+Mahjoub 1986; Guenin 2001), so that cutting planes alone find and prove the optimum.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import csgraph
+
+from geoweave.arrays import Flags, Indices, Scalars, frozen
+from geoweave.errors import GeoweaveError
+
+__all__ = ["Labelling", "best_labels"]
+
+_SMALL = 1e-6
+"""What the linear programs are trusted to."""
+_SHORT = 1e-5
+"""Added to the weight of each edge: of two odd cycles of one weight the one of fewer edges is taken."""
+_PASSES = 12
+"""Sets of disjoint odd cycles gathered before the linear program is solved again."""
+
+
+@dataclass(frozen=True, eq=False)
+class Labelling:
+    """Labels of the nodes, what they break, and what no labels can avoid."""
+
+    labels: Flags
+    """(N,) one label per node; the first node of each connected component is False."""
+    broken: Flags
+    """(M,) the edges whose wish is not met."""
+    bound: int
+    """No labels break fewer edges."""
+    best_cost: bool
+    """Whether the ``tie`` costs of the broken edges are the smallest among labels that break as few."""
+
+    @property
+    def proven(self) -> bool:
+        """Whether no labels break fewer edges than these."""
+        return int(self.broken.sum()) == self.bound
+
+
+class _Graph(NamedTuple):
+    """A connected graph with an odd cycle; an edge stands for ``times`` equal ones and costs ``cost``."""
+
+    nodes: int
+    first: Indices
+    second: Indices
+    parity: Indices
+    times: Indices
+    cost: Scalars
+
+
+def best_labels(
+    nodes: int,
+    first: ArrayLike,
+    second: ArrayLike,
+    parity: ArrayLike,
+    tie: ArrayLike | None = None,
+    time_limit: float = 10.0,
+) -> Labelling:
+    """Labels x of the nodes that break the fewest of the wishes ``x_first ^ x_second == parity``.
+
+    ``minimize sum_e z_e`` over z in {0, 1} with ``sum of z over C >= 1`` for every odd cycle C. A connected
+    component without odd cycles is labelled outright. On the others cutting planes add the odd cycles that
+    the current z misses, each the shortest walk between the two copies of a node in the doubled graph, where
+    an edge joins equal copies (parity 0) or different ones (parity 1); every linear program on the way is a
+    bound, and labels are read off a spanning tree of smallest z. If fractions remain, the integer program
+    over the cycles found goes on in the same way.
+
+    The result depends on nothing but the input, unless the time limit strikes.
+
+    Parameters
+    ----------
+    nodes : number of nodes N
+    first, second, parity : (M,) ends and wish of each edge. An edge from a node to itself is met or broken
+        whatever the labels
+    tie : (M,) whole numbers from 0 on. Of the labellings that break the fewest edges, one in which the sum
+        over the broken edges is smallest
+    time_limit : seconds (wall clock) for the proof; afterwards the best found is returned with its bound
+
+    Raises
+    ------
+    GeoweaveError
+        If the arrays do not fit each other, an edge names no node, or the time limit is not positive.
+    """
+    start, end, wish = (np.asarray(each, dtype=np.int64) for each in (first, second, parity))
+    price = np.zeros(len(start), dtype=np.int64) if tie is None else np.asarray(tie, dtype=np.int64)
+    if not start.shape == end.shape == wish.shape == price.shape == (len(start),):
+        raise GeoweaveError(f"ends, parities and ties are rows of one length, not {start.shape}, {end.shape}")
+    if len(start) and (min(start.min(), end.min()) < 0 or max(start.max(), end.max()) >= nodes):
+        raise GeoweaveError(f"an edge names a node outside 0..{nodes - 1}")
+    if not np.isin(wish, (0, 1)).all() or (price < 0).any() or not time_limit > 0:
+        raise GeoweaveError("parities are 0 or 1, ties and the time limit are not negative")
+    deadline = time.monotonic() + time_limit
+
+    proper = start != end
+    labels = _labels(nodes, start[proper], end[proper], wish[proper])
+    component = csgraph.connected_components(_matrix(nodes, start, end), directed=False)[1]
+    odd_components = np.unique(
+        component[start[proper & ((labels[start] ^ labels[end]) != wish.astype(bool))]]
+    )
+    sizes = np.bincount(component, minlength=1)
+    bound = int(np.count_nonzero(~proper & (wish == 1)))
+    finished = True
+    for one in odd_components[np.argsort(sizes[odd_components], kind="stable")]:
+        inside = np.flatnonzero(component == one)
+        edges = np.flatnonzero((component[start] == one) & proper)
+        place = np.empty(nodes, dtype=np.int64)
+        place[inside] = np.arange(len(inside))
+        graph = _merged(len(inside), place[start[edges]], place[end[edges]], wish[edges], price[edges])
+        labels[inside], least, best = _Program(graph, deadline).solve()
+        bound, finished = bound + least, finished and best
+    broken = (labels[start] ^ labels[end]) != wish.astype(bool)
+    return Labelling(frozen(labels), frozen(broken), bound, finished and int(broken.sum()) == bound)
+
+
+def _matrix(nodes: int, start: Indices, end: Indices) -> sparse.csr_array:
+    return sparse.csr_array((np.ones(len(start)), (start, end)), shape=(nodes, nodes))
+
+
+def _labels(nodes: int, start: Indices, end: Indices, wish: Indices) -> Flags:
+    """Labels that meet all wishes of each component where that can be, False in the others."""
+    both = _matrix(
+        2 * nodes,
+        np.concatenate([start, start + nodes]),
+        np.concatenate([end + nodes * wish, end + nodes * (1 - wish)]),
+    )
+    copies = csgraph.connected_components(both, directed=False)[1].reshape(2, nodes)
+    # The first node of a component comes first in the numbering, and so with its copy of label False.
+    labels: Flags = copies[0] > copies[1]
+    return labels
+
+
+def _merged(nodes: int, start: Indices, end: Indices, wish: Indices, price: Indices) -> _Graph:
+    """Edges of one wish between the same nodes become one."""
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    key, group, count = np.unique((low * nodes + high) * 2 + wish, return_inverse=True, return_counts=True)
+    total = np.bincount(group, weights=price, minlength=len(key))
+    # An optimum breaks at most as many edges as a spanning tree leaves over, so that ties sum to 1/2.
+    most = (count.sum() - nodes + 1) * max(float((total / count).max()), 1.0)
+    cost = count + total / (2.0 * most)
+    return _Graph(nodes, key // 2 // nodes, key // 2 % nodes, key % 2, count, cost)
+
+
+class _Program:
+    """The search for one component: odd cycles so far, the best labels, the best bound."""
+
+    def __init__(self, graph: _Graph, deadline: float) -> None:
+        self.graph, self.deadline = graph, deadline
+        nodes, start, end, wish = graph.nodes, graph.first, graph.second, graph.parity
+        tail = np.concatenate([start, start + nodes])
+        head = np.concatenate([end + nodes * wish, end + nodes * (1 - wish)])
+        edge = np.tile(np.arange(len(start)), 2)
+        tail, head, edge = np.concatenate([tail, head]), np.concatenate([head, tail]), np.tile(edge, 2)
+        order = np.lexsort((head, tail))
+        self.keys, self.edge = (tail * 2 * nodes + head)[order], edge[order]
+        self.heads = head[order]
+        self.starts = np.concatenate([[0], np.cumsum(np.bincount(tail, minlength=2 * nodes))])
+        self.cycles: list[Indices] = []
+        self.known: set[bytes] = set()
+        self.labels = np.zeros(nodes, dtype=bool)
+        self.cost = np.inf
+        self.bound = 0.0
+
+    def solve(self) -> tuple[Flags, int, bool]:
+        """Labels, the bound on the number of broken edges, and whether the costs are proven best too."""
+        edges = len(self.graph.first)
+        z = np.zeros(edges)
+        self.offer(self.graph.cost)
+        exact = False
+        while not self.closed():
+            self.offer(z + _SHORT * self.graph.cost)
+            if self.closed() or time.monotonic() > self.deadline:
+                break
+            if not self.cut(z):
+                if exact:
+                    break
+                exact = True
+            z = self.program(exact)
+        least = int(np.ceil(self.bound - self.ties() - _SMALL))
+        return self.labels ^ self.labels[0], min(least, self.broken_count()), self.closed()
+
+    def closed(self) -> bool:
+        """Whether the labels cost what the bound says."""
+        return self.cost <= self.bound + _SMALL
+
+    def broken(self, labels: Flags) -> Flags:
+        """(E,) which edges the labels break."""
+        unequal = labels[self.graph.first] ^ labels[self.graph.second]
+        result: Flags = unequal != self.graph.parity.astype(bool)
+        return result
+
+    def broken_count(self) -> int:
+        """Edges that the best labels break, each as often as it was given."""
+        return int(self.graph.times[self.broken(self.labels)].sum())
+
+    def ties(self) -> float:
+        """The most that the ties of an optimum add to its cost, below one half."""
+        graph = self.graph
+        dearest = float(((graph.cost - graph.times) / graph.times).max())
+        return min(dearest * self.broken_count(), 0.5)
+
+    def offer(self, weight: Scalars) -> None:
+        """Keep the labels along the spanning tree of smallest weight, improved, if they are the best yet."""
+        graph = self.graph
+        # One edge for each pair of nodes: the first of the lighter ones.
+        order = np.argsort(weight, kind="stable")
+        _, chosen = np.unique((graph.first * graph.nodes + graph.second)[order], return_index=True)
+        chosen = order[chosen]
+        rank = np.empty(len(order))
+        rank[order] = np.arange(1, len(order) + 1)
+        tree = sparse.coo_array(
+            csgraph.minimum_spanning_tree(
+                sparse.csr_array(
+                    (rank[chosen], (graph.first[chosen], graph.second[chosen])),
+                    shape=(graph.nodes, graph.nodes),
+                )
+            )
+        )
+        used = order[tree.data.astype(np.int64) - 1]
+        labels = _labels(graph.nodes, graph.first[used], graph.second[used], graph.parity[used])
+        labels = self.improved(labels)
+        cost = float(graph.cost[self.broken(labels)].sum())
+        if cost < self.cost - _SMALL:
+            self.labels, self.cost = labels, cost
+
+    def improved(self, labels: Flags) -> Flags:
+        """Turn the label that gains most, until none gains."""
+        graph, labels = self.graph, labels.copy()
+        while True:
+            value = np.where(self.broken(labels), graph.cost, -graph.cost)
+            gain = np.bincount(graph.first, value, graph.nodes) + np.bincount(
+                graph.second, value, graph.nodes
+            )
+            node = int(np.argmax(gain))
+            if gain[node] <= _SMALL:
+                return labels
+            labels[node] = not labels[node]
+
+    def cut(self, z: Scalars) -> bool:
+        """Gather odd cycles on which z sums to less than one; whether there was any.
+
+        Every odd cycle holds an edge that the best labels break, so that their ends are all that need be
+        searched from. Later passes avoid the edges of the cycles taken in earlier ones.
+        """
+        graph = self.graph
+        sources = np.unique(graph.first[self.broken(self.labels)])
+        weight, found = z + _SHORT, False
+        for _ in range(_PASSES):
+            cycles = self.short_odd_cycles(weight, sources)
+            used = np.zeros(len(weight), dtype=bool)
+            for cycle in cycles:
+                name = cycle.tobytes()
+                if name in self.known:
+                    continue
+                found = True
+                self.known.add(name)
+                self.cycles.append(cycle)
+                used[cycle] = True
+            if not used.any() or time.monotonic() > self.deadline:
+                break
+            weight = np.where(used, 1.0, weight)
+        return found
+
+    def short_odd_cycles(self, weight: Scalars, sources: Indices) -> list[Indices]:
+        """Edges of the lightest odd closed walk through each source, where it weighs less than one."""
+        nodes = self.graph.nodes
+        doubled = sparse.csr_array((weight[self.edge], self.heads, self.starts), shape=(2 * nodes, 2 * nodes))
+        limit = 1.0 - _SMALL
+        distance, before = csgraph.dijkstra(doubled, indices=sources, limit=limit, return_predecessors=True)
+        rows = np.flatnonzero(distance[np.arange(len(sources)), sources + nodes] < limit)
+        rows = rows[np.argsort(distance[rows, sources[rows] + nodes], kind="stable")]
+        at, trail = sources[rows] + nodes, []
+        walking = np.ones(len(rows), dtype=bool)
+        while walking.any():
+            previous = np.where(walking, before[rows, at], at)
+            step = np.full(len(rows), -1, dtype=np.int64)
+            key = previous[walking].astype(np.int64) * 2 * nodes + at[walking]
+            step[walking] = self.edge[np.searchsorted(self.keys, key)]
+            trail.append(step)
+            at = previous.astype(np.int64)
+            walking = at != sources[rows]
+        if not trail:
+            return []
+        table = np.stack(trail, axis=1)
+        return [np.unique(row[row >= 0]) for row in table]
+
+    def rows(self) -> tuple[sparse.csr_array, Indices]:
+        """One row per cycle over the edges that lie on any of them, and those edges."""
+        seen = np.unique(np.concatenate(self.cycles))
+        place = np.searchsorted(seen, np.concatenate(self.cycles))
+        ends = np.cumsum([0, *(len(cycle) for cycle in self.cycles)])
+        matrix = sparse.csr_array((np.ones(len(place)), place, ends), shape=(len(self.cycles), len(seen)))
+        return matrix, seen
+
+    def left(self) -> float:
+        """Seconds for the next program; a little even when time is up, so that there is a bound."""
+        return max(self.deadline - time.monotonic(), 0.1)
+
+    def program(self, integer: bool) -> Scalars:
+        """Cheapest z that meets each cycle found so far, in integers or not; its cost is a bound."""
+        matrix, seen = self.rows()
+        z = np.zeros(len(self.graph.first))
+        result = milp(
+            self.graph.cost[seen],
+            integrality=np.full(len(seen), int(integer)),
+            bounds=Bounds(0.0, 1.0),
+            constraints=LinearConstraint(matrix, lb=1.0),
+            options={"time_limit": self.left(), "mip_rel_gap": 0.0},
+        )
+        bound = result.mip_dual_bound if integer else result.fun if result.status == 0 else None
+        if bound is not None and np.isfinite(bound):
+            self.bound = max(self.bound, float(bound))
+        if result.x is not None:
+            z[seen] = np.rint(result.x) if integer else np.clip(result.x, 0.0, 1.0)
+        return z
