@@ -94,6 +94,7 @@ def commands() -> None:
 
 commands.add_command(design.field)
 commands.add_command(design.foliate)
+commands.add_command(design.weave)
 
 
 @commands.command()

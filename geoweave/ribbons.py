@@ -57,12 +57,19 @@ class Ribbons:
     crossings : every crossing, of two ribbons or of one with itself
     origin : (n,) level set that each ribbon was cut from
     spacing : mean distance d between neighbours of one family, a length
+    cutting : the numbers they were made with
     """
 
     curves: Curves
     crossings: Crossings
     origin: Indices
     spacing: float
+    cutting: Cutting
+
+    @property
+    def loose(self) -> Flags:
+        """(n, 2) whether start and end hang loose: open, off the boundary, no crossing within a tail."""
+        return _loose(self.curves, self.crossings, self.cutting.tail * self.spacing)
 
     def __len__(self) -> int:
         return len(self.curves)
@@ -106,7 +113,7 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
         met = crossings(found)
         loose = _loose(found, met, numbers.tail * spacing)
         if not loose.any():
-            return Ribbons(found, met, frozen(origin[which]), spacing)
+            return Ribbons(found, met, frozen(origin[which]), spacing, numbers)
         # What held these ends was itself trimmed or dropped: back to the last crossing that is left.
         first, last = _outermost(met, len(found))
         start[which] += np.where(loose[:, 0], np.maximum(first - numbers.tail * spacing, 0.0), 0.0)

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -78,6 +79,20 @@ def check_output(output: str, source: str) -> None:
     check_writable(output)
     if os.path.exists(output) and os.path.exists(source) and os.path.samefile(output, source):
         raise OutputError(f"{output}: is the input; name another file")
+
+
+def new_folder(output: str) -> Path:
+    """Refuse a folder for results that cannot be made or written to, before the work begins."""
+    from geoweave.output import OutputError, check_writable
+
+    folder = Path(output)
+    if folder.is_dir():
+        check_writable(folder / "weave.json")
+    elif folder.exists():
+        raise OutputError(f"{output}: is a file; name a folder with -o")
+    else:
+        check_writable(folder)
+    return folder
 
 
 @contextmanager

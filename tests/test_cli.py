@@ -232,6 +232,47 @@ def test_foliate_for_people_and_at_another_scale(run, ball):
     assert refused(run("foliate", ball, "--scale", 0), "--scale")
 
 
+# -- weave --------------------------------------------------------------------------------------------------
+
+
+def test_weave_as_json_and_as_a_file(run, ball, tmp_path):
+    folder = tmp_path / "woven"
+    status, out, err = run("weave", ball, "--faces", 2000, "--no-relax", "--json", "-o", folder)
+    assert (status, err) == (0, "")
+    result = json.loads(out)
+    assert result["ribbons"] > 5
+    assert result["loose_ends"] == 0
+    assert 54 < result["crossing_angle_deg"]["median"] < 66
+    turns = result["alternation"]
+    assert 0.9 < turns["fraction"] <= turns["optimal_fraction_bound"] <= 1
+    assert set(result["seconds"]) >= {
+        "rosy",
+        "cover",
+        "field",
+        "foliation",
+        "ribbons",
+        "interlacing",
+        "total",
+    }
+    weave = json.loads((folder / "weave.json").read_text())
+    assert (weave["format"], weave["version"], weave["symmetry"]) == ("geoweave-weave", 1, 6)
+    assert len(weave["ribbons"]) == result["ribbons"]
+    assert len(weave["crossings"]) == result["crossings"]
+    assert [path.name for path in folder.iterdir()] == ["weave.json"]
+
+
+def test_weave_for_people_and_what_it_refuses(run, ball, tmp_path):
+    status, out, _ = run("weave", ball, "--faces", 1500, "--no-relax", "-o", tmp_path / "woven")
+    assert status == 0
+    for word in ("ribbons", "crossings", "alternation", "loose ends"):
+        assert word in out
+    assert refused(run("weave", ball, "-o", tmp_path / "other"), "--no-relax")
+    assert refused(run("weave", ball, "--no-relax", "-o", ball), "is a file")
+    assert refused(run("weave", ball, "--no-relax", "-o", tmp_path / "no" / "where"), "no")
+    assert refused(run("weave", ball, "--no-relax", "--symmetry", 2, "-o", tmp_path / "x"), "--symmetry")
+    assert not (tmp_path / "other").exists()
+
+
 # -- data sets, figures, doctor -----------------------------------------------------------------------------
 
 

@@ -1,0 +1,90 @@
+"""From a surface to a weave: everything crosses, interleaves and is written as it is."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geoweave import shapes
+from geoweave.errors import FieldError
+from geoweave.mesh import TriMesh
+from geoweave.weave import Weave, labels, weave_pattern
+
+
+def surface() -> TriMesh:
+    ring = shapes.torus(faces=2500)
+    return TriMesh(7.0 * ring.vertices + [1.0, 2.0, 3.0], ring.faces)
+
+
+@cache
+def pattern() -> Weave:
+    return weave_pattern(surface(), scale=0.8)
+
+
+def test_every_crossing_is_on_two_ribbons_and_every_end_is_held() -> None:
+    weave = pattern()
+    met, curves = weave.ribbons.crossings, weave.ribbons.curves
+    assert not weave.ribbons.loose.any()
+    assert len(weave.interlacing.over) == len(met) > 50
+    assert (met.arclength <= curves.lengths[met.curves] + 1e-9).all()
+    assert np.bincount(met.curves.ravel(), minlength=len(curves)).min() >= 1
+    for column in (0, 1):
+        owner, at = met.curves[:, column], met.arclength[:, column]
+        start = curves.offsets[owner]
+        segment = start + [
+            int(np.searchsorted(curves.arclength[s : curves.offsets[c + 1]], a, side="right")) - 1
+            for s, c, a in zip(start, owner, at, strict=True)
+        ]
+        share = (at - curves.arclength[segment]) / np.maximum(curves.segment_lengths[segment], 1e-300)
+        there = curves.points[segment] + np.minimum(share, 1.0)[:, None] * curves.segments[segment]
+        np.testing.assert_allclose(there, met.points, atol=1e-6)
+
+
+def test_three_families_cross_at_sixty_degrees_and_alternate() -> None:
+    weave = pattern()
+    assert set(weave.families.tolist()) == {0, 1, 2}
+    numbers = weave.metrics()
+    assert numbers["crossing_angle_deg"]["median"] == pytest.approx(60, abs=6)
+    turns = numbers["alternation"]
+    assert 0.9 < turns["fraction"] <= turns["optimal_fraction_bound"]
+
+
+def test_the_file_has_the_size_and_place_of_the_surface_given(tmp_path: Path) -> None:
+    weave = pattern()
+    weave.save(tmp_path / "weave.json")
+    read = json.loads((tmp_path / "weave.json").read_text(encoding="utf-8"))
+    assert (read["format"], read["version"], read["units"]) == ("geoweave-weave", 1, "mesh")
+    given = surface()
+    for ribbon in read["ribbons"]:
+        points = np.array(ribbon["points"])
+        assert (points >= given.vertices.min(axis=0) - 1e-6).all()
+        assert (points <= given.vertices.max(axis=0) + 1e-6).all()
+        ends = np.diff(points, axis=0)
+        length = np.linalg.norm(ends, axis=1).sum()
+        length += np.linalg.norm(points[0] - points[-1]) if ribbon["closed"] else 0.0
+        assert ribbon["length"] == pytest.approx(length, rel=1e-9)
+    assert read["metrics"]["total_length"] == pytest.approx(sum(r["length"] for r in read["ribbons"]))
+    for crossing in read["crossings"]:
+        assert crossing["over"] in crossing["ribbons"]
+        for ribbon, at in zip(crossing["ribbons"], crossing["arclength"], strict=True):
+            assert 0 <= at <= read["ribbons"][ribbon]["length"] * (1 + 1e-9)
+
+
+def test_the_same_seed_gives_the_same_file(tmp_path: Path) -> None:
+    for name in ("a.json", "b.json"):
+        weave_pattern(surface(), scale=0.8, seed=2).save(tmp_path / name)
+    assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
+
+
+def test_a_smaller_scale_gives_fewer_ribbons() -> None:
+    assert weave_pattern(surface(), scale=0.4).ribbons.spacing > 1.5 * pattern().ribbons.spacing
+
+
+def test_names_and_limits() -> None:
+    assert labels(np.array([0, 1, 0, 2])) == ["A1", "B1", "A2", "C1"]
+    with pytest.raises(FieldError, match="symmetry of 3"):
+        weave_pattern(surface(), symmetry=2)
