@@ -1,0 +1,366 @@
+"""Elastic rods and their crossings as text: the .rod files of RibbonSim, versions 0, 1 and 2.
+
+Numbers apart by white space: the magic number -217 and the version (both absent in version 0); the
+number of rods and of crossings, thickness, Young's modulus, density; for each rod its number of vertices n,
+whether it is closed, [from version 1: visibility, colour], 3n coordinates of the centreline, 3m of the
+directors, [from version 1: m angles], m widths, [in version 2: m colours of the segments], where m is n for
+closed rods and n - 1 for open ones; for each crossing two rods, their segments, the places on these from 0
+to 1, a stiffness.
+Which rod lies above at a crossing is not in the file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geoweave.arrays import Indices, Scalars, Vectors, frozen
+from geoweave.errors import GeoweaveError
+from geoweave.interlacing import Crossings
+from geoweave.output import replacing
+
+__all__ = ["MAGIC", "NEWEST", "Rod", "RodCrossing", "RodError", "RodFile", "read_rods", "write_rods"]
+
+MAGIC = -217
+"""The first number of a file of version 1 or later."""
+NEWEST = 2
+"""The version that is written."""
+
+_DIRECTOR_TOLERANCE = 1e-3
+"""How far directors may be from unit length and from square to their segments: files hold six digits."""
+_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
+_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+
+
+class RodError(GeoweaveError):
+    """Rods, or a file of them, that cannot be simulated, and what to do about it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rod:
+    """A ribbon as a chain of segments with a cross-section that may turn about it (Appendix E).
+
+    Raises
+    ------
+    RodError
+        If it has fewer than two vertices (three when closed), an array does not fit, a number is not
+        finite, a segment has no length, a width is not positive, or a director is no unit vector square to
+        its segment.
+    """
+
+    centerline: Vectors
+    """(n, 3) vertices, length."""
+    directors: Vectors
+    """(m, 3) unit vectors d square to the segments, m = n if closed and n - 1 if not."""
+    widths: Scalars
+    """(m,) length, positive."""
+    closed: bool = False
+    """Whether a last segment joins the last vertex to the first."""
+    angles: Scalars | None = None
+    """(m,) radians from d to the thickness direction, about the segment; None stands for zeros."""
+    visible: bool = True
+    """Whether RibbonSim shows the rod."""
+    color: int = 0
+    """Number of a colour in RibbonSim's palette."""
+    segment_colors: Indices | None = None
+    """(m,) number of a colour for each segment; None stands for zeros."""
+
+    def __post_init__(self) -> None:
+        points = np.array(self.centerline, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise RodError(f"a centreline is (n, 3) vertices, not {points.shape}")
+        least = 3 if self.closed else 2
+        if len(points) < least:
+            raise RodError(f"it has {len(points)} vertices but needs {least}; leave the rod out")
+        count = len(points) if self.closed else len(points) - 1
+        angles = np.zeros(count) if self.angles is None else np.array(self.angles, dtype=np.float64)
+        colors = np.zeros(count) if self.segment_colors is None else np.array(self.segment_colors)
+        directors = np.array(self.directors, dtype=np.float64)
+        widths = np.array(self.widths, dtype=np.float64)
+        for name, array, shape in (
+            ("directors", directors, (count, 3)),
+            ("angles", angles, (count,)),
+            ("widths", widths, (count,)),
+            ("segment colours", colors, (count,)),
+        ):
+            if array.shape != shape:
+                raise RodError(f"its {name} are of shape {array.shape} but it has {count} segments")
+        for name, array in (
+            ("vertex", points), ("director", directors), ("angle", angles), ("width", widths)
+        ):  # fmt: skip
+            strange = ~np.isfinite(array.reshape(len(array), -1)).all(axis=1, keepdims=True)
+            if strange.any():
+                raise RodError(f"{name} {_first(strange)} is not finite; correct it or leave the rod out")
+        steps = np.roll(points, -1, axis=0)[:count] - points[:count]
+        lengths = np.linalg.norm(steps, axis=1)
+        if not (lengths > 0).all():
+            raise RodError(f"segment {_first(~(lengths > 0))} has no length; merge its two vertices")
+        if not (widths > 0).all():
+            bad = _first(~(widths > 0))
+            raise RodError(f"segment {bad} has the width {widths[bad]:g}; make it positive")
+        norms = np.linalg.norm(directors, axis=1)
+        leaning = np.abs((directors * steps).sum(axis=1)) / lengths
+        askew = (np.abs(norms - 1) > _DIRECTOR_TOLERANCE) | (leaning > _DIRECTOR_TOLERANCE)
+        if askew.any():
+            bad = _first(askew)
+            raise RodError(
+                f"director {bad} has length {norms[bad]:.4g} and {leaning[bad]:.4g} of it along its segment; "
+                f"make it a unit vector square to the segment"
+            )
+        if (colors != np.floor(colors)).any():
+            raise RodError("its segment colours are not whole numbers")
+        object.__setattr__(self, "centerline", frozen(points))
+        object.__setattr__(self, "directors", frozen(directors))
+        object.__setattr__(self, "angles", frozen(angles))
+        object.__setattr__(self, "widths", frozen(widths))
+        object.__setattr__(self, "segment_colors", frozen(colors.astype(np.int64)))
+
+    @property
+    def segments(self) -> int:
+        """Number of segments, m."""
+        return len(self.directors)
+
+    @property
+    def lengths(self) -> Scalars:
+        """(m,) length of each segment."""
+        ahead = np.roll(self.centerline, -1, axis=0)[: self.segments]
+        lengths: Scalars = np.linalg.norm(ahead - self.centerline[: self.segments], axis=1)
+        return lengths
+
+
+@dataclass(frozen=True)
+class RodCrossing:
+    """Two places that are held together, each on a segment of a rod."""
+
+    rods: tuple[int, int]
+    """The two rods; they may be one rod twice."""
+    segments: tuple[int, int]
+    """The segment of each of them."""
+    places: tuple[float, float]
+    """How far along these, from 0 at the first vertex of a segment to 1 at its second."""
+    stiffness: float = 1000.0
+    """Of the contact; RibbonSim's default."""
+
+
+@dataclass(frozen=True, eq=False)
+class RodFile:
+    """Rods, their crossings, and the material.
+
+    Raises
+    ------
+    RodError
+        If a crossing names a rod or a segment that is not there, a place outside its segment or one segment
+        twice, or a number is out of range.
+    """
+
+    rods: tuple[Rod, ...]
+    crossings: tuple[RodCrossing, ...]
+    thickness: float
+    """Length, positive."""
+    young: float
+    """Young's modulus, force per area, positive."""
+    density: float
+    """Mass per volume, not negative."""
+
+    def __post_init__(self) -> None:
+        for name, value, ok in (
+            ("thickness", self.thickness, self.thickness > 0),
+            ("Young's modulus", self.young, self.young > 0),
+            ("density", self.density, self.density >= 0),
+        ):
+            if not (np.isfinite(value) and ok):
+                raise RodError(f"the {name} is {value:g}; give a positive number")
+        for number, crossing in enumerate(self.crossings):
+            problem = _problem(crossing, self.rods)
+            if problem:
+                raise RodError(f"crossing {number} {problem}; correct or remove it")
+
+    def placed(self) -> Crossings:
+        """Return the crossings by rod and arclength, as `geoweave.interlacing` takes them."""
+        ends = [np.concatenate([[0.0], np.cumsum(rod.lengths)]) for rod in self.rods]
+        arclengths = [
+            [
+                (1 - place) * ends[rod][segment] + place * ends[rod][segment + 1]
+                for rod, segment, place in zip(one.rods, one.segments, one.places, strict=True)
+            ]
+            for one in self.crossings
+        ]
+        ribbons = np.array([one.rods for one in self.crossings], dtype=np.int64).reshape(-1, 2)
+        closed = np.array([rod.closed for rod in self.rods], dtype=bool)
+        return Crossings(ribbons, np.array(arclengths, dtype=np.float64).reshape(-1, 2), closed)
+
+
+def _first(flags: ArrayLike) -> int:
+    return int(np.flatnonzero(flags)[0])
+
+
+def _problem(crossing: RodCrossing, rods: tuple[Rod, ...]) -> str:
+    """Say what is wrong with a crossing, nothing if it is fine."""
+    for rod, segment, place in zip(crossing.rods, crossing.segments, crossing.places, strict=True):
+        if not 0 <= rod < len(rods):
+            return f"names rod {rod} of {len(rods)}"
+        if not 0 <= segment < rods[rod].segments:
+            return f"names segment {segment} of rod {rod}, which has {rods[rod].segments}"
+        if not 0.0 <= place <= 1.0:
+            return f"lies at {place:g} of a segment, which runs from 0 to 1"
+    if len({(rod, segment) for rod, segment in zip(crossing.rods, crossing.segments, strict=True)}) < 2:
+        return "joins a segment to itself"
+    if not (np.isfinite(crossing.stiffness) and crossing.stiffness >= 0):
+        return f"has the stiffness {crossing.stiffness:g}"
+    return ""
+
+
+class _Words:
+    """The words of a file, one after another, and the lines they stand in."""
+
+    def __init__(self, text: str) -> None:
+        rows = [line.split() for line in text.split("\n")]
+        self.words = [word for row in rows for word in row]
+        self.lines = np.repeat(np.arange(1, len(rows) + 1), [len(row) for row in rows])
+        self.at = 0
+
+    def line(self, back: int = 1) -> int:
+        """Number of the line of the word read last (or ``back`` words ago)."""
+        place = min(max(self.at - back, 0), len(self.lines) - 1)
+        return int(self.lines[place]) if len(self.lines) else 1
+
+    def take(self, count: int, what: str) -> list[str]:
+        """Return the next words, refusing before anything is allocated if there are not so many."""
+        left = len(self.words) - self.at
+        if count > left:
+            raise RodError(
+                f"line {self.line()}: {what} need {count} more numbers but {left} follow; "
+                f"the file is cut short or a count is wrong, export it again"
+            )
+        self.at += count
+        return self.words[self.at - count : self.at]
+
+    def whole(self, what: str, least: int = 0, most: int | None = None) -> int:
+        """Return the next word, a whole number in a range."""
+        (word,) = self.take(1, what)
+        value = int(word) if _WHOLE.fullmatch(word) else None
+        if value is None or value < least or (most is not None and value > most):
+            span = f"from {least} on" if most is None else f"from {least} to {most}"
+            raise RodError(f"line {self.line()}: {what} is '{word}', not a whole number {span}; correct it")
+        return value
+
+    def numbers(self, count: int, what: str) -> Scalars:
+        """Return the next words as numbers."""
+        words = self.take(count, what)
+        for k, word in enumerate(words):
+            if not _NUMBER.fullmatch(word):
+                raise RodError(
+                    f"line {self.line(count - k)}: '{word}' among {what} is not a finite number; correct it"
+                )
+        return np.array(words, dtype=np.float64)
+
+
+def read_rods(path: str | PathLike[str]) -> RodFile:
+    """Read a .rod file of version 0, 1 or 2; what the older ones lack is zero, and visible.
+
+    Raises
+    ------
+    RodError
+        If it cannot be read or holds anything that `Rod` or `RodFile` refuses, words that are no numbers, too
+        few or too many of them; the sentence names the file, the line and the remedy.
+    """
+    source = Path(path)
+    try:
+        text = source.read_bytes().decode("ascii")
+    except OSError as error:
+        raise RodError(f"{source}: cannot be read ({error.strerror}); check the name") from error
+    except UnicodeDecodeError as error:
+        raise RodError(f"{source}: byte {error.start} is no text; a .rod file holds numbers only") from error
+    try:
+        return _parsed(_Words(text))
+    except RodError as error:
+        raise RodError(f"{source}: {error}") from error
+
+
+def _parsed(words: _Words) -> RodFile:
+    version = 0
+    if words.words[:1] == [str(MAGIC)]:
+        words.take(1, "the file")
+        version = words.whole("the version", 1, NEWEST)
+    count = words.whole("the number of rods")
+    crossing_count = words.whole("the number of crossings")
+    thickness, young, density = words.numbers(3, "thickness, Young's modulus and density").tolist()
+    rods = []
+    for number in range(count):
+        start = words.at
+        try:
+            rods.append(_parsed_rod(words, version, f"rod {number}"))
+        except RodError as error:
+            if str(error).startswith("line "):
+                raise
+            raise RodError(f"line {words.line(words.at - start)}: rod {number}: {error}") from error
+    crossings = []
+    for number in range(crossing_count):
+        pair, segments = (
+            (words.whole(f"{what} of crossing {number}"), words.whole(f"{what} of crossing {number}"))
+            for what in ("a rod", "a segment")
+        )
+        one, two, stiffness = words.numbers(3, f"the places and the stiffness of crossing {number}").tolist()
+        crossing = RodCrossing(pair, segments, (one, two), stiffness)
+        problem = _problem(crossing, tuple(rods))
+        if problem:
+            raise RodError(f"line {words.line(7)}: crossing {number} {problem}; correct or remove it")
+        crossings.append(crossing)
+    left = len(words.words) - words.at
+    if left:
+        words.at += 1
+        raise RodError(
+            f"line {words.line()}: {left} numbers follow the last crossing; a count is wrong, export it again"
+        )
+    return RodFile(tuple(rods), tuple(crossings), thickness, young, density)
+
+
+def _parsed_rod(words: _Words, version: int, name: str) -> Rod:
+    vertices = words.whole(f"the number of vertices of {name}")
+    closed = words.whole(f"the closed flag of {name}", 0, 1) == 1
+    visible, color = True, 0
+    if version >= 1:
+        visible = words.whole(f"the visibility of {name}", 0, 1) == 1
+        color = words.whole(f"the colour of {name}")
+    count = vertices if closed else max(vertices - 1, 0)
+    centerline = words.numbers(3 * vertices, f"the vertices of {name}").reshape(-1, 3)
+    directors = words.numbers(3 * count, f"the directors of {name}").reshape(-1, 3)
+    angles = words.numbers(count, f"the angles of {name}") if version >= 1 else None
+    widths = words.numbers(count, f"the widths of {name}")
+    colors = words.numbers(count, f"the segment colours of {name}") if version >= 2 else np.zeros(count)
+    if (colors != np.floor(colors)).any():
+        raise RodError("its segment colours are not whole numbers; correct them")
+    return Rod(centerline, directors, widths, closed, angles, visible, color, colors.astype(np.int64))
+
+
+def write_rods(path: str | PathLike[str], content: RodFile) -> None:
+    """Write a .rod file of the newest version, whole or not at all, with every digit.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written there.
+    """
+    lines = [str(MAGIC), str(NEWEST), str(len(content.rods)), str(len(content.crossings))]
+    lines += [_joined([value]) for value in (content.thickness, content.young, content.density)]
+    for rod in content.rods:
+        lines += ["", str(len(rod.centerline)), str(int(rod.closed)), str(int(rod.visible)), str(rod.color)]
+        for array in (rod.centerline, rod.directors, rod.angles, rod.widths):
+            lines.append(_joined(np.asarray(array).ravel()))
+        lines.append(" ".join(str(int(color)) for color in np.asarray(rod.segment_colors)))
+    lines.append("")
+    for one in content.crossings:
+        indices = (*one.rods, *one.segments)
+        lines.append(" ".join([*map(str, indices), _joined([*one.places, one.stiffness])]))
+    with replacing(path) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+
+
+def _joined(values: Iterable[float]) -> str:
+    return " ".join(f"{value:.17g}" for value in values)
