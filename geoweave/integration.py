@@ -188,12 +188,15 @@ def foliate(
         problem = _Alternation(w, s, unit, smoothness * field.mesh.bounding_radius**2)
         z, theta = problem.eigenvector(problem.start(seed), None, s)
         energies = [problem.energy(theta, s)]
+        searching = True
         theta_changes: list[float] = []
         s_changes: list[float] = []
         for number in range(1, alternations + 1):
             old_theta, old_s = theta, s
-            if number > 1:
+            if number > 1 and searching:
                 z, theta = problem.eigenvector(z, theta, s)
+                # Where it did not help once, theta has settled, and it does not help later either.
+                searching = theta is not old_theta
             if hold_s:
                 theta = problem.improve_theta(theta, s)
             else:

@@ -50,6 +50,7 @@ from geoweave.viz.vectors import (
     projections,
     scattered,
 )
+from geoweave.viz.weaves import weave_gallery, weave_scene
 
 __all__ = [
     "FROM_ABOVE",
@@ -89,4 +90,6 @@ __all__ = [
     "scattered",
     "shaded_gallery",
     "streamline_gallery",
+    "weave_gallery",
+    "weave_scene",
 ]

@@ -194,6 +194,13 @@ class Scene:
         look = {"color": colour, "ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
         self._actors.append((bars.tube(radius=radius / placement.scale, n_sides=6), look))
 
+    def add_solid(self, points: Vectors, quads: NDArray[np.int64], colour: str) -> None:
+        """Add quadrilaterals (Q, 4) of one colour with sharp edges, such as the outside of ribbons."""
+        solid = pv.PolyData(self._placed().apply(points), np.insert(quads, 0, 4, axis=1).ravel())
+        solid = solid.compute_normals(cell_normals=False, split_vertices=True, feature_angle=40.0)
+        look = {"color": colour, "ambient": 0.32, "diffuse": 0.70, "specular": 0.06, "occludes": True}
+        self._actors.append((solid, look))
+
     def add_dots(self, points: Vectors, radius: float, colours: Sequence[str]) -> None:
         """Add small balls, one colour each."""
         placement = self._placed()
