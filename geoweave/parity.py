@@ -9,6 +9,7 @@ Mahjoub 1986; Guenin 2001), so that cutting planes alone find and prove the opti
 
 from __future__ import annotations
 
+import heapq
 import time
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -20,16 +21,23 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
+from geoweave.compiled import compiled
 from geoweave.errors import GeoweaveError
 
 __all__ = ["Labelling", "best_labels"]
 
 _SMALL = 1e-6
-"""What the linear programs are trusted to."""
+"""Sums that are as good as equal."""
+_ROUNDING = 1e-4
+"""What a bound from a program may owe to its tolerances; taken off before it is rounded up."""
 _SHORT = 1e-5
 """Added to the weight of each edge: of two odd cycles of one weight the one of fewer edges is taken."""
-_PASSES = 12
-"""Sets of disjoint odd cycles gathered before the linear program is solved again."""
+_RAISED = 0.12
+"""Added to the weight of the edges of an odd cycle found, so that other cycles are found beside it."""
+_SEARCHES = 100
+"""Sources searched from before the weights are looked at again."""
+_STEPS = (8, 16, 32)
+"""Odd cycles that z leaves out altogether are looked for first, up to these numbers of edges in turn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,6 +162,63 @@ def _merged(nodes: int, start: Indices, end: Indices, wish: Indices, price: Indi
     return _Graph(nodes, key // 2 // nodes, key // 2 % nodes, key % 2, count, cost)
 
 
+@compiled
+def _odd_walks(
+    starts: Indices, heads: Indices, edge: Indices, weight: Scalars, sources: Indices, nodes: int,
+    limit: float, raised: float,
+) -> tuple[Indices, Indices]:  # fmt: skip
+    """Lightest odd closed walks through the sources in turn, none heavier than ``limit``.
+
+    Dijkstra's method from each source to its other copy. The weight of the edges found is ``raised`` by as
+    much before the next search, so that walks differ.
+
+    Parameters
+    ----------
+    starts, heads, edge : neighbours of each node of the doubled graph, and the edges that lead to them
+    weight : (E,) positive; changed
+    """
+    far = np.inf
+    distance = np.full(2 * nodes, far)
+    done = np.zeros(2 * nodes, dtype=np.bool_)
+    before = np.full(2 * nodes, -1)
+    through = np.full(2 * nodes, -1)
+    touched = np.empty(2 * nodes, dtype=np.int64)
+    edges = [0 for _ in range(0)]
+    ends = [0 for _ in range(0)]
+    for source in sources:
+        target = source + nodes
+        distance[source] = 0.0
+        touched[0], count = source, 1
+        heap = [(0.0, source)]
+        while heap:
+            so_far, node = heapq.heappop(heap)
+            if done[node]:
+                continue
+            done[node] = True
+            if node == target:
+                break
+            for k in range(starts[node], starts[node + 1]):
+                head = heads[k]
+                total = so_far + weight[edge[k]]
+                if total <= limit and total < distance[head]:
+                    if distance[head] == far:
+                        touched[count] = head
+                        count += 1
+                    distance[head], before[head], through[head] = total, node, edge[k]
+                    heapq.heappush(heap, (total, head))
+        if done[target]:
+            node = target
+            while node != source:
+                weight[through[node]] += raised
+                edges.append(through[node])
+                node = before[node]
+            ends.append(len(edges))
+        for k in range(count):
+            node = touched[k]
+            distance[node], done[node], before[node], through[node] = far, False, -1, -1
+    return np.array(edges, dtype=np.int64), np.array(ends, dtype=np.int64)
+
+
 class _Program:
     """The search for one component: odd cycles so far, the best labels, the best bound."""
 
@@ -165,11 +230,9 @@ class _Program:
         edge = np.tile(np.arange(len(start)), 2)
         tail, head, edge = np.concatenate([tail, head]), np.concatenate([head, tail]), np.tile(edge, 2)
         order = np.lexsort((head, tail))
-        self.keys, self.edge = (tail * 2 * nodes + head)[order], edge[order]
-        self.heads = head[order]
+        self.heads, self.edge = head[order], edge[order]
         self.starts = np.concatenate([[0], np.cumsum(np.bincount(tail, minlength=2 * nodes))])
         self.cycles: list[Indices] = []
-        self.known: set[bytes] = set()
         self.labels = np.zeros(nodes, dtype=bool)
         self.cost = np.inf
         self.bound = 0.0
@@ -189,7 +252,7 @@ class _Program:
                     break
                 exact = True
             z = self.program(exact)
-        least = int(np.ceil(self.bound - self.ties() - _SMALL))
+        least = int(np.ceil(self.bound - self.ties() - _ROUNDING))
         return self.labels ^ self.labels[0], min(least, self.broken_count()), self.closed()
 
     def closed(self) -> bool:
@@ -253,49 +316,42 @@ class _Program:
         """Gather odd cycles on which z sums to less than one; whether there was any.
 
         Every odd cycle holds an edge that the best labels break, so that their ends are all that need be
-        searched from. Later passes avoid the edges of the cycles taken in earlier ones.
+        searched from. Cycles that z leaves out altogether come first, the shortest of them before the others.
         """
-        graph = self.graph
-        sources = np.unique(graph.first[self.broken(self.labels)])
-        weight, found = z + _SHORT, False
-        for _ in range(_PASSES):
-            cycles = self.short_odd_cycles(weight, sources)
-            used = np.zeros(len(weight), dtype=bool)
-            for cycle in cycles:
-                name = cycle.tobytes()
-                if name in self.known:
-                    continue
-                found = True
-                self.known.add(name)
-                self.cycles.append(cycle)
-                used[cycle] = True
-            if not used.any() or time.monotonic() > self.deadline:
-                break
-            weight = np.where(used, 1.0, weight)
-        return found
+        sources = np.unique(self.graph.first[self.broken(self.labels)])
+        weight, before = z + _SHORT, len(self.cycles)
+        for steps in (*_STEPS, 1.0 / _SHORT - 1.0):
+            while time.monotonic() < self.deadline:
+                near = self.near_their_copies(weight - _SHORT, sources)
+                if not len(near) or not self.gather(weight, near[:_SEARCHES], steps * _SHORT):
+                    break
+        return len(self.cycles) > before
 
-    def short_odd_cycles(self, weight: Scalars, sources: Indices) -> list[Indices]:
-        """Edges of the lightest odd closed walk through each source, where it weighs less than one."""
-        nodes = self.graph.nodes
-        doubled = sparse.csr_array((weight[self.edge], self.heads, self.starts), shape=(2 * nodes, 2 * nodes))
-        limit = 1.0 - _SMALL
-        distance, before = csgraph.dijkstra(doubled, indices=sources, limit=limit, return_predecessors=True)
-        rows = np.flatnonzero(distance[np.arange(len(sources)), sources + nodes] < limit)
-        rows = rows[np.argsort(distance[rows, sources[rows] + nodes], kind="stable")]
-        at, trail = sources[rows] + nodes, []
-        walking = np.ones(len(rows), dtype=bool)
-        while walking.any():
-            previous = np.where(walking, before[rows, at], at)
-            step = np.full(len(rows), -1, dtype=np.int64)
-            key = previous[walking].astype(np.int64) * 2 * nodes + at[walking]
-            step[walking] = self.edge[np.searchsorted(self.keys, key)]
-            trail.append(step)
-            at = previous.astype(np.int64)
-            walking = at != sources[rows]
-        if not trail:
-            return []
-        table = np.stack(trail, axis=1)
-        return [np.unique(row[row >= 0]) for row in table]
+    def gather(self, weight: Scalars, sources: Indices, limit: float) -> int:
+        """Add odd cycles through the sources, none heavier than the limit; how many."""
+        edges, ends = _odd_walks(
+            self.starts, self.heads, self.edge, weight, sources, self.graph.nodes, limit, _RAISED
+        )
+        self.cycles += [np.unique(cycle) for cycle in np.split(edges, ends)[:-1]]
+        return len(ends)
+
+    def near_their_copies(self, z: Scalars, sources: Indices) -> Indices:
+        """Sources nearer than one to their other copies, nearest first; edges of no length are contracted."""
+        nodes, length = self.graph.nodes, z[self.edge]
+        tails = np.repeat(np.arange(2 * nodes), np.diff(self.starts))
+        inner = length < _SMALL
+        joined = _matrix(2 * nodes, tails[inner], self.heads[inner])
+        count, part = csgraph.connected_components(joined, directed=False)
+        tail, head, outer = part[tails[~inner]], part[self.heads[~inner]], length[~inner]
+        # Of parallel edges between two parts the lightest one.
+        order = np.lexsort((outer, tail * count + head))
+        key, chosen = np.unique((tail * count + head)[order], return_index=True)
+        shrunk = sparse.csr_array((outer[order][chosen], (key // count, key % count)), shape=(count, count))
+        unique, row = np.unique(part[sources], return_inverse=True)
+        distance = csgraph.dijkstra(shrunk, indices=unique, limit=1.0)[row, part[sources + nodes]]
+        near = np.flatnonzero(distance < 1.0 - _SMALL)
+        result: Indices = sources[near[np.argsort(distance[near], kind="stable")]]
+        return result
 
     def rows(self) -> tuple[sparse.csr_array, Indices]:
         """One row per cycle over the edges that lie on any of them, and those edges."""
