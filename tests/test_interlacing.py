@@ -1,13 +1,10 @@
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from geoweave.errors import GeoweaveError
 from geoweave.interlacing import Crossings, greedy, judged, merged, optimal
-
-PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
 
 
 def grid(rows, columns):
