@@ -132,6 +132,7 @@ def foliate(
     rows = [
         ("deviation", f"{spread} degrees"),
         ("dislocations", str(measured.dislocations)),
+        ("spacing", f"spread {measured.spacing_spread:.2f} in its logarithm, 0 if even"),
         ("smallest s", f"{foliation.s_min:.3g} of its mean"),
     ]
     _report(result, seconds, prepared, output, as_json, rows)

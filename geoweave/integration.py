@@ -12,7 +12,7 @@ from scipy import sparse
 from geoweave.alignment import Alignment, alignment
 from geoweave.arrays import Complexes, Scalars, frozen
 from geoweave.circle import CircleFunction, wrapped
-from geoweave.errors import FieldError
+from geoweave.errors import FieldError, MeshError
 from geoweave.fields import FaceField
 from geoweave.linalg import Ordering, bounded_minimum, factorized, nested_dissection, one_blas_thread
 from geoweave.mesh import TriMesh
@@ -41,6 +41,9 @@ LEAST_COSINE = 0.1
 
 FLOOR = 0.2
 """s stays above this share of its first value."""
+
+LEAST_FREQUENCY = 0.2
+"""theta that changes by less than this share of what s asks for is no foliation."""
 
 LEAST_FIRST = 0.02
 """A first s from Eq. 7 is raised to this share of its median where it is smaller or negative."""
@@ -95,7 +98,13 @@ def punctured(field: FaceField) -> tuple[FaceField, Part]:
     """
     mesh = field.mesh
     singular = vertex_indices(field) != 0
-    part = part_of(mesh, ~singular[mesh.faces].any(axis=1))
+    kept = ~singular[mesh.faces].any(axis=1)
+    if not kept.any():
+        raise MeshError(
+            f"all {mesh.n_faces} faces touch a singular vertex of the field and nothing is left; "
+            "ask for more triangles (--faces N)"
+        )
+    part = part_of(mesh, kept)
     return FaceField(part.mesh, field.normalized().values[part.faces]), part
 
 
@@ -162,7 +171,7 @@ def foliate(
     weighting, quantile : see above and `global_scale`
     alternations : how often theta and s are updated at most
     tolerance : an alternation that lowers the energy by no more than this share of it is the last
-    hold_s : keep the first s and find theta alone (periodic global parameterisation without correction)
+    hold_s : keep the first s and find theta alone
     smoothness : mu of Eq. 8, in squared bounding radii
     seed : start of the first eigenvector iteration
     callback : called with the number of each alternation and its energy
@@ -210,6 +219,12 @@ def foliate(
             if energies[-2] - energies[-1] <= tolerance * energies[-1]:
                 break
     circle = CircleFunction.nearest(w.mesh, theta, edge_prediction(w, s))
+    wanted, got = (np.average(each, weights=w.mesh.face_areas) for each in (s, np.abs(circle.gradient)))
+    if got < LEAST_FREQUENCY * wanted:
+        raise FieldError(
+            "the level sets would lie farther apart than the surface is wide, so theta is nearly constant; "
+            "ask for a larger scale"
+        )
     return Foliation(w, part, frozen(s), circle, tuple(energies), tuple(theta_changes), tuple(s_changes))
 
 

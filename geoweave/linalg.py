@@ -212,6 +212,10 @@ def smallest_eigenpair(
     mu, u : the eigenvalue and the eigenvector, ``conj(u) M u = 1``
     """
     root = np.sqrt(mass)
+    if factors.size <= 2:  # Lanczos needs more room
+        columns = factors.solve(np.diag(root).astype(start.dtype))
+        values, vectors = np.linalg.eigh(root[:, None] * columns)
+        return float(1.0 / values[-1]), (vectors[:, -1] / root).astype(start.dtype)
     inverse = LinearOperator(
         (factors.size, factors.size),
         matvec=lambda u: root * factors.solve(root * u.ravel()),

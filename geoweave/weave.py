@@ -28,6 +28,9 @@ from geoweave.rosy import smoothest_rosy
 FORMAT, VERSION = "geoweave-weave", 1
 """What the first lines of ``weave.json`` say."""
 
+MOST_CROSSINGS = 200_000
+"""A weave that would have more is refused: it is a slip of the scale, and its proof would not end."""
+
 LEVEL = 0.5 * np.pi
 """Level set on every sheet; theta is odd on antipodal sheets, so theirs interleave by half a period."""
 
@@ -68,7 +71,7 @@ class Weave:
     def metrics(self) -> dict[str, Any]:
         """What a maker wants to know, in the unit of the surface given."""
         curves, met = self.ribbons.curves, self.ribbons.crossings
-        unit, angle = self.placement.scale, self.crossing_angles
+        unit, angle, aligned = self.placement.scale, self.crossing_angles, self.foliation.alignment
         bending = np.abs(geodesic_curvature(curves)) / unit
         order = np.argsort(bending)
         share = np.cumsum(curves.segment_lengths[order])
@@ -86,7 +89,10 @@ class Weave:
             "alternation": {
                 "fraction": self.interlacing.alternation,
                 "optimal_fraction_bound": self.interlacing.alternation_bound,
+                "proven": self.interlacing.proven,
             },
+            "deviation_deg": {"median": aligned.median, "p95": aligned.p95},
+            "dislocations": aligned.dislocations,
             "interleaved_triples": {
                 "count": self.interlacing.interleaved,
                 "of": self.interlacing.triples,
@@ -136,6 +142,8 @@ class Weave:
                     "point": point,
                     "angle_deg": float(self.crossing_angles[x]),
                     "over": int(met.curves[x, self.interlacing.over[x]]),
+                    # where a ribbon crosses itself its number does not tell the strands apart
+                    "over_index": int(self.interlacing.over[x]),
                 }
                 for x, point in enumerate(place(met.points).tolist())
             ],
@@ -215,9 +223,10 @@ def weave_pattern(
     solve = geodesic_field(quotient.field, smoothness=schedule)
     begin("foliation")
     foliation = foliate(solve.field, scale=scale, quantile=1.0, seed=seed)
+    sheets = symmetry // 2 if symmetry % 2 == 0 else symmetry
+    _refuse_too_many(foliation, sheets)
     begin("ribbons")
     level_sets = isolines(quotient.lifted(foliation), [LEVEL])
-    sheets = symmetry // 2 if symmetry % 2 == 0 else symmetry
     found = ribbons(cover.project(level_sets), sheets, cutting)
     families = _families(cover, level_sets.faces, level_sets.segment_lengths, level_sets.offsets, sheets)
     begin("interlacing")
@@ -237,6 +246,19 @@ def weave_pattern(
         foliation,
         seconds,
     )
+
+
+def _refuse_too_many(foliation: Foliation, families: int) -> None:
+    """Estimate the crossings of evenly spaced families, ``n (n - 1) / 2 A / d^2``; refuse too many."""
+    areas = foliation.part.mesh.face_areas
+    per_area = float(np.average(np.abs(foliation.circle.gradient), weights=areas)) / np.pi
+    below = float(areas.sum()) / families
+    expected = 0.5 * families * (families - 1) * below * per_area**2
+    if expected > MOST_CROSSINGS:
+        raise FieldError(
+            f"the weave would have about {expected:,.0f} crossings, more than {MOST_CROSSINGS:,}; "
+            "ask for a smaller scale"
+        )
 
 
 def _families(cover: Cover, faces: Indices, lengths: Scalars, offsets: Indices, count: int) -> Indices:

@@ -165,5 +165,10 @@ def test_a_surface_that_is_all_singular_is_refused() -> None:
             break
     else:
         pytest.fail("no such field among 200")
-    with pytest.raises(MeshError, match="none of"):
+    with pytest.raises(MeshError, match="all 20 faces touch"):
         punctured(field)
+
+
+def test_a_scale_too_small_for_the_surface_is_refused() -> None:
+    with pytest.raises(FieldError, match="larger scale"):
+        foliate(designed("jagged sphere"), scale=0.001)

@@ -64,3 +64,17 @@ def test_smallest_eigenpair_against_a_dense_solver(matrix):
     assert mu == pytest.approx(np.linalg.eigvalsh(root[:, None] * matrix.toarray() * root)[0], rel=1e-10)
     np.testing.assert_allclose(matrix @ u, mu * mass * u, atol=1e-9)
     assert (u.conj() * mass) @ u == pytest.approx(1)
+
+
+@pytest.mark.parametrize("size", [1, 2])
+def test_smallest_eigenpair_of_a_tiny_matrix(size):
+    """One or two faces are a component, too."""
+    matrix = sparse.csr_array(np.array([[2.0, 0.5j], [-0.5j, 1.0]])[:size, :size])
+    mass = np.array([1.0, 2.0])[:size]
+    value, vector = linalg.smallest_eigenpair(
+        linalg.factorized(matrix, linalg.nested_dissection(matrix)), mass, np.ones(size, dtype=complex)
+    )
+    np.testing.assert_allclose(matrix @ vector, value * mass * vector, atol=1e-12)
+    assert np.vdot(vector, mass * vector).real == pytest.approx(1.0)
+    dense = np.linalg.eigvals(np.diag(1 / mass) @ matrix.toarray()).real
+    assert value == pytest.approx(dense.min())

@@ -69,7 +69,7 @@ def test_the_file_has_the_size_and_place_of_the_surface_given(tmp_path: Path) ->
         assert ribbon["length"] == pytest.approx(length, rel=1e-9)
     assert read["metrics"]["total_length"] == pytest.approx(sum(r["length"] for r in read["ribbons"]))
     for crossing in read["crossings"]:
-        assert crossing["over"] in crossing["ribbons"]
+        assert crossing["over"] == crossing["ribbons"][crossing["over_index"]]
         for ribbon, at in zip(crossing["ribbons"], crossing["arclength"], strict=True):
             assert 0 <= at <= read["ribbons"][ribbon]["length"] * (1 + 1e-9)
 
@@ -86,5 +86,7 @@ def test_a_smaller_scale_gives_fewer_ribbons() -> None:
 
 def test_names_and_limits() -> None:
     assert labels(np.array([0, 1, 0, 2])) == ["A1", "B1", "A2", "C1"]
+    with pytest.raises(FieldError, match="smaller scale"):
+        weave_pattern(surface(), scale=500.0)
     with pytest.raises(FieldError, match="symmetry of 3"):
         weave_pattern(surface(), symmetry=2)
