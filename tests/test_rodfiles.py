@@ -11,6 +11,7 @@ from geoweave.output import OutputError
 from geoweave.rodfiles import Rod, RodCrossing, RodError, RodFile, read_rods, write_rods
 
 PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
+needs_peers = pytest.mark.skipif(not PEER.is_dir(), reason="RibbonSim's files are not beside the checkout")
 
 
 def ring(count, radius, height, **options):
@@ -89,10 +90,9 @@ def test_arclengths_along_rods():
     np.testing.assert_allclose(placed.arclengths, [[0.0, 3 + 1 / 6], [0.875, 6 * side]], rtol=1e-14)
 
 
+@needs_peers
 @pytest.mark.parametrize(("name", "rods", "crossings"), [("cone60", 10, 35), ("torus7", 10, 84)])
 def test_peer_files(tmp_path, name, rods, crossings):
-    if not (PEER / f"{name}.rod").is_file():
-        pytest.skip("RibbonSim's files are not here")
     content = read_rods(PEER / f"{name}.rod")
     assert (len(content.rods), len(content.crossings)) == (rods, crossings)
     write_rods(tmp_path / "again.rod", content)
@@ -128,11 +128,10 @@ def fewest_broken(crossings):
     return round(solved.fun)
 
 
+@needs_peers
 @pytest.mark.parametrize("name", ["cone60", "torus7"])
 def test_peer_weaves_alternate(name):
     """The paper's cone can alternate throughout, its torus cannot; what it can do is proven twice over."""
-    if not (PEER / f"{name}.rod").is_file():
-        pytest.skip("RibbonSim's files are not here")
     crossings = read_rods(PEER / f"{name}.rod").placed()
     found = optimal(crossings, 60.0)
     assert found.proven

@@ -18,6 +18,7 @@ from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import RenderError
 from geoweave.mesh import TriMesh
 from geoweave.viz import style
+from geoweave.viz.layout import caption, place
 from geoweave.viz.picture import Picture, sheet
 from geoweave.viz.scene import Scene, View
 
@@ -172,8 +173,8 @@ def streamline_gallery(
         room = width - unit * (2 * SIDE + GAP * (per_row - 1))
         wanted = sum(scenes[k].aspect for k in row) * per_row / len(row)
         heights.append(min(round(unit * tallest), int(room / wanted)))
-    caption = unit * (CAPTION if any(panel.subtitle for panel in panels) else CAPTION - 38)
-    total = round(sum(heights) + (caption + unit * SIDE) * len(rows) + unit * FOOT)
+    below = unit * (CAPTION if any(panel.subtitle for panel in panels) else CAPTION - 38)
+    total = round(sum(heights) + (below + unit * SIDE) * len(rows) + unit * FOOT)
     figure = sheet(width, total)
     with style.applied():
         top = unit * SIDE
@@ -182,11 +183,11 @@ def streamline_gallery(
             spare = (width - sum(picture.shape[1] for picture in pictures)) / (len(row) + 1)
             left = spare
             for k, picture in zip(row, pictures, strict=True):
-                _place(figure, picture, round(left), round(top), width, total)
+                place(figure, picture, left, top)
                 middle = (left + 0.5 * picture.shape[1]) / width
-                _caption(figure, panels[k], middle, top + height, total, unit)
+                caption(figure, (panels[k].title, panels[k].subtitle), middle, top + height, unit, down=57)
                 left += picture.shape[1] + spare
-            top += height + caption + unit * SIDE
+            top += height + below + unit * SIDE
         _bars(figure, scales, width, total)
     words = alt or "Streamlines on " + ", ".join(panel.title for panel in panels)
     return Picture(figure, words, tuple(each.colormap for each in scales))
@@ -205,7 +206,7 @@ def portrait(
     scene = panel_scene(panel, curvature_scale([panel], percentile), None, share)
     picture = scene.draw(height, width=width)
     figure = sheet(picture.shape[1], picture.shape[0])
-    _place(figure, picture, 0, 0, picture.shape[1], picture.shape[0])
+    place(figure, picture, 0, 0)
     return Picture(figure, alt or f"Streamlines on {panel.title}")
 
 
@@ -244,24 +245,6 @@ def _round_up(value: float) -> float:
         return 1.0
     step = 10.0 ** (np.floor(np.log10(value)) - 1)
     return float(np.ceil(value / step - 1e-9) * step)
-
-
-def _place(figure: Figure, picture: np.ndarray, left: int, top: int, width: int, height: int) -> None:
-    """Put pixels on the figure without resampling."""
-    rows, columns = picture.shape[:2]
-    axes = figure.add_axes((left / width, 1 - (top + rows) / height, columns / width, rows / height))
-    axes.imshow(picture, interpolation="none", aspect="auto")
-    axes.set_axis_off()
-
-
-def _caption(figure: Figure, panel: Panel, middle: float, top: float, height: int, unit: float) -> None:
-    """Write title and subtitle under a picture that ends ``top`` pixels down."""
-    for text, down, size, colour in (
-        (panel.title, 14, 11.5, style.INK),
-        (panel.subtitle, 57, 9.0, style.FAINT),
-    ):
-        where = 1.0 - (top + unit * down) / height
-        figure.text(middle, where, text, ha="center", va="top", size=unit * size, color=colour)
 
 
 def _bars(figure: Figure, scales: Sequence[Scale], width: int, height: int) -> None:

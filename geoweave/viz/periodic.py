@@ -23,11 +23,12 @@ from geoweave.mesh import TriMesh
 from geoweave.part import Part
 from geoweave.viz import style
 from geoweave.viz.gallery import VIEWS
-from geoweave.viz.picture import Picture, sheet
-from geoweave.viz.scene import Pixels, Scene, View
+from geoweave.viz.layout import grid
+from geoweave.viz.picture import Picture
+from geoweave.viz.scene import Scene, View
 
-SIDE, GAP, TITLE, SUBTITLE, FOOT = 34, 50, 58, 40, 150
-"""Pixels of a full-width figure: border, between panels, for each line under one, for the colour bar."""
+FOOT = 150
+"""Pixels of a full-width figure for the colour bar."""
 
 SHADES = 24
 """Colours in which dots at vertices are drawn."""
@@ -185,53 +186,24 @@ def periodic_gallery(
     RenderError
         If there is nothing to draw.
     """
-    if not panels:
-        raise RenderError("a gallery needs at least one panel")
-    per_row = columns or len(panels)
-    unit = width / style.WIDTH
-    cell = (width - unit * (2 * SIDE + GAP * (per_row - 1))) / per_row
-    scenes = [panel.scene() for panel in panels]
-    rows = [range(start, min(start + per_row, len(panels))) for start in range(0, len(panels), per_row)]
-    heights = [min(round(unit * tallest), *(int(cell / scenes[k].aspect) for k in row)) for row in rows]
-    words = unit * (TITLE + (SUBTITLE if any(panel.subtitle for panel in panels) else 0))
     foot = FOOT if any(panel.coloured or panel.dots for panel in panels) else 0
-    total = round(sum(heights) + (words + unit * GAP) * len(rows) + unit * (SIDE + foot))
-    figure = sheet(width, total)
-    with style.applied():
-        top = unit * SIDE
-        for row, height in zip(rows, heights, strict=True):
-            # A row that is not full stands in the middle.
-            left = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * GAP)
-            for k in row:
-                pixels = scenes[k].draw(height)
-                _place(figure, pixels, left + 0.5 * (cell - pixels.shape[1]), top)
-                middle = (left + 0.5 * cell) / width
-                for text, down, size, colour in (
-                    (panels[k].title, 14, 11.5, style.INK),
-                    (panels[k].subtitle, 62, 9.0, style.FAINT),
-                ):
-                    where = 1.0 - (top + height + unit * down) / total
-                    figure.text(middle, where, text, ha="center", va="top", size=unit * size, color=colour)
-                left += cell + unit * GAP
-            top += height + words + unit * GAP
-        if foot:
-            _wheel_bar(figure, unit)
+    figure = grid(
+        [panel.scene() for panel in panels],
+        [(panel.title, panel.subtitle) for panel in panels],
+        columns=columns,
+        width=width,
+        tallest=tallest,
+        foot=foot,
+    )
+    if foot:
+        with style.applied():
+            _wheel_bar(figure, width / style.WIDTH)
     described = alt or "Circle-valued functions: " + ", ".join(panel.title for panel in panels)
     maps = [style.cyclic()]
     if any(panel.dislocations for panel in panels):
         # A few small dots would get no colour of their own in the palette of a PNG.
         maps.append(LinearSegmentedColormap.from_list("geoweave-marks", ["#8a5f10", MARK, "#ffe2a0"]))
     return Picture(figure, described, tuple(maps))
-
-
-def _place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
-    """Put pixels on the figure without resampling."""
-    width, height = round(figure.bbox.width), round(figure.bbox.height)
-    rows, columns = pixels.shape[:2]
-    box = (round(left) / width, 1 - (round(top) + rows) / height, columns / width, rows / height)
-    axes = figure.add_axes(box)
-    axes.imshow(pixels, interpolation="none", aspect="auto")
-    axes.set_axis_off()
 
 
 def _wheel_bar(figure: Figure, unit: float) -> None:

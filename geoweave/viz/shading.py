@@ -22,11 +22,12 @@ from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
 from geoweave.viz import style
 from geoweave.viz.gallery import VIEWS, Scale
-from geoweave.viz.picture import Picture, sheet
-from geoweave.viz.scene import Pixels, Scene, View
+from geoweave.viz.layout import grid
+from geoweave.viz.picture import Picture
+from geoweave.viz.scene import Scene, View
 
-SIDE, GAP, TITLE, SUBTITLE, FOOT = 34, 46, 58, 40, 160
-"""Pixels of a full-width figure: border, between panels, for each line under one, for bar and legend."""
+GAP, FOOT = 46, 160
+"""Pixels of a full-width figure: between panels, for bar and legend."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,51 +170,19 @@ def shaded_gallery(
     RenderError
         If there is nothing to draw.
     """
-    if not panels:
-        raise RenderError("a gallery needs at least one panel")
-    per_row = columns or len(panels)
-    unit = width / style.WIDTH
-    cell = (width - unit * (2 * SIDE + GAP * (per_row - 1))) / per_row
-    scenes = [panel.scene(scale) for panel in panels]
-    starts = range(0, len(panels), per_row)
-    rows = [list(range(start, min(start + per_row, len(panels)))) for start in starts]
-    heights = [min(round(unit * tallest), *(int(cell / scenes[k].aspect) for k in row)) for row in rows]
-    words = unit * (TITLE + (SUBTITLE if any(panel.subtitle for panel in panels) else 0))
-    total = round(sum(heights) + (words + unit * GAP) * len(rows) + unit * (SIDE + FOOT))
-    figure = sheet(width, total)
+    figure = grid(
+        [panel.scene(scale) for panel in panels],
+        [(panel.title, panel.subtitle) for panel in panels],
+        columns=columns,
+        width=width,
+        tallest=tallest,
+        foot=FOOT,
+        gap=GAP,
+    )
     with style.applied():
-        top = unit * SIDE
-        for row, height in zip(rows, heights, strict=True):
-            # A row that is not full stands in the middle.
-            left = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * GAP)
-            for k in row:
-                pixels = scenes[k].draw(height)
-                _place(figure, pixels, left + 0.5 * (cell - pixels.shape[1]), top)
-                _caption(figure, panels[k], (left + 0.5 * cell) / width, top + height, unit)
-                left += cell + unit * GAP
-            top += height + words + unit * GAP
-        _foot(figure, scale, panels, unit)
+        _foot(figure, scale, panels, width / style.WIDTH)
     described = alt or "Shaded surfaces: " + ", ".join(panel.title for panel in panels)
     return Picture(figure, described, (scale.colormap,))
-
-
-def _place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
-    """Put pixels on the figure without resampling."""
-    width, height = round(figure.bbox.width), round(figure.bbox.height)
-    rows, columns = pixels.shape[:2]
-    box = (round(left) / width, 1 - (round(top) + rows) / height, columns / width, rows / height)
-    axes = figure.add_axes(box)
-    axes.imshow(pixels, interpolation="none", aspect="auto")
-    axes.set_axis_off()
-
-
-def _caption(figure: Figure, panel: Shaded, middle: float, top: float, unit: float) -> None:
-    for text, down, size, colour in (
-        (panel.title, 14, 11.5, style.INK),
-        (panel.subtitle, 62, 9.0, style.FAINT),
-    ):
-        where = 1.0 - (top + unit * down) / figure.bbox.height
-        figure.text(middle, where, text, ha="center", va="top", size=unit * size, color=colour)
 
 
 def _foot(figure: Figure, scale: Scale, panels: Sequence[Shaded], unit: float) -> None:

@@ -12,7 +12,8 @@ from geoweave.arrays import Scalars, Vectors
 from geoweave.errors import RenderError
 from geoweave.mesh import TriMesh
 from geoweave.viz import style
-from geoweave.viz.gallery import VIEWS, _place
+from geoweave.viz.gallery import VIEWS
+from geoweave.viz.layout import caption, place
 from geoweave.viz.picture import Picture, sheet
 from geoweave.viz.scene import Scene, View
 from geoweave.weave import Weave
@@ -139,11 +140,9 @@ def weave_gallery(
         spare = (width - sum(picture.shape[1] for picture in pictures)) / (len(pictures) + 1)
         left = spare
         for picture, (title, subtitle, _, _) in zip(pictures, weaves, strict=True):
-            _place(figure, picture, round(left), round(unit * side), width, total)
+            place(figure, picture, left, unit * side)
             middle = (left + 0.5 * picture.shape[1]) / width
-            for text, down, size, colour in ((title, 16, 11.5, style.INK), (subtitle, 62, 9.0, style.FAINT)):
-                where = 1.0 - (unit * side + height + unit * down) / total
-                figure.text(middle, where, text, ha="center", va="top", size=unit * size, color=colour)
+            caption(figure, (title, subtitle), middle, unit * side + height, unit)
             left += picture.shape[1] + spare
     return Picture(figure, alt or "Weaves: " + ", ".join(each[0] for each in weaves))
 

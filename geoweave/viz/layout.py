@@ -1,0 +1,82 @@
+"""Where rendered pixels and the words under them go on a sheet; every gallery is laid out here."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.figure import Figure
+
+from geoweave.errors import RenderError
+from geoweave.viz import style
+from geoweave.viz.picture import sheet
+from geoweave.viz.scene import Pixels, Scene
+
+SIDE, GAP, TITLE, SUBTITLE = 34, 50, 58, 40
+"""Pixels of a full-width figure: its border, between panels, for each line of words under one."""
+
+
+def place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
+    """Put pixels on a figure without resampling, ``left`` and ``top`` from its upper left corner."""
+    width, height = round(figure.bbox.width), round(figure.bbox.height)
+    rows, columns = pixels.shape[:2]
+    box = (round(left) / width, 1 - (round(top) + rows) / height, columns / width, rows / height)
+    axes = figure.add_axes(box)
+    axes.imshow(pixels, interpolation="none", aspect="auto")
+    axes.set_axis_off()
+
+
+def caption(
+    figure: Figure, words: tuple[str, str], middle: float, top: float, unit: float, *, down: float = 62
+) -> None:
+    """Write title and subtitle, centred at a share of the width, under a picture that ends at ``top``."""
+    height = round(figure.bbox.height)
+    for text, below, size, colour in ((words[0], 14, 11.5, style.INK), (words[1], down, 9.0, style.FAINT)):
+        where = 1.0 - (top + unit * below) / height
+        figure.text(middle, where, text, ha="center", va="top", size=unit * size, color=colour)
+
+
+def grid(
+    scenes: Sequence[Scene],
+    words: Sequence[tuple[str, str]],
+    *,
+    columns: int | None,
+    width: int,
+    tallest: int,
+    foot: float,
+    gap: float = GAP,
+) -> Figure:
+    """Draw scenes in rows of equal columns, models of a row equally tall, and leave room at the bottom.
+
+    Parameters
+    ----------
+    scenes : what to draw; the order is kept
+    words : title and subtitle of each
+    columns : scenes in a row; all in one row if None
+    width : pixels across the figure; a narrower one is the same figure, smaller
+    tallest, foot, gap : height that no scene exceeds, room below, room between, in pixels at full width
+
+    Raises
+    ------
+    RenderError
+        If there is nothing to draw.
+    """
+    if not scenes:
+        raise RenderError("a gallery needs at least one panel")
+    per_row, unit = columns or len(scenes), width / style.WIDTH
+    cell = (width - unit * (2 * SIDE + gap * (per_row - 1))) / per_row
+    rows = [range(start, min(start + per_row, len(scenes))) for start in range(0, len(scenes), per_row)]
+    heights = [min(round(unit * tallest), *(int(cell / scenes[k].aspect) for k in row)) for row in rows]
+    below = unit * (TITLE + (SUBTITLE if any(subtitle for _, subtitle in words) else 0))
+    figure = sheet(width, round(sum(heights) + (below + unit * gap) * len(rows) + unit * (SIDE + foot)))
+    with style.applied():
+        top = unit * SIDE
+        for row, height in zip(rows, heights, strict=True):
+            # A row that is not full stands in the middle.
+            left = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * gap)
+            for k in row:
+                pixels = scenes[k].draw(height)
+                place(figure, pixels, left + 0.5 * (cell - pixels.shape[1]), top)
+                caption(figure, words[k], (left + 0.5 * cell) / width, top + height, unit)
+                left += cell + unit * gap
+            top += height + below + unit * gap
+    return figure
