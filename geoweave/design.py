@@ -1,4 +1,4 @@
-"""The commands that design: ``geoweave field``, ``geoweave foliate`` and ``geoweave weave``."""
+"""The commands that design: ``geoweave field`` and ``geoweave foliate``."""
 
 from __future__ import annotations
 
@@ -9,21 +9,16 @@ import click
 
 from geoweave.terminal import (
     Say,
+    Surface,
     as_json,
     check_output,
-    components_option,
-    faces_option,
-    mesh_argument,
-    new_folder,
+    prepared_surface,
     print_json,
     print_table,
-    read_surface,
-    repair_option,
-    seed_option,
     status,
+    surface_options,
     text_of,
     timed,
-    to_faces,
 )
 
 if TYPE_CHECKING:
@@ -31,7 +26,7 @@ if TYPE_CHECKING:
     from geoweave.geodesic import GeodesicSolve, Step
     from geoweave.integration import Foliation
     from geoweave.mesh import TriMesh
-    from geoweave.prepare import Components, Prepared
+    from geoweave.prepare import Prepared
 
 output_option = click.option(
     "-o", "output", metavar="OUT.npz", help="Write mesh and results (numpy, never pickled)."
@@ -39,75 +34,50 @@ output_option = click.option(
 
 
 @click.command()
-@mesh_argument
-@faces_option
-@seed_option
+@surface_options
 @output_option
 @as_json
-@repair_option
-@components_option
-def field(
-    name: str,
-    faces: int | None,
-    seed: int,
-    output: str | None,
-    as_json: bool,
-    repair: bool,
-    components: Components,
-) -> None:
+def field(surface: Surface, output: str | None, as_json: bool) -> None:
     """Find a geodesic field by Algorithm 1 from the smoothest field, at bounding radius 1."""
     if output is not None:
-        check_output(output, name)
+        check_output(output, surface.name)
     seconds: dict[str, float] = {}
     with status() as say:
-        prepared, solve = _designed(name, faces, seed, repair, components, None, seconds, say)
+        prepared, solve = _designed(surface, None, seconds, say)
         if output is not None:
             say(f"writing {output}")
             with timed(seconds, "write"):
                 _write(output, _field_arrays(solve))
-    result = _field_result(name, prepared, solve, seed)
+    result = _field_result(surface, prepared, solve)
     _report(result, seconds, prepared, output, as_json, [])
 
 
 @click.command()
-@mesh_argument
-@faces_option
+@surface_options
 @click.option(
     "--scale",
     type=click.FloatRange(min=0, min_open=True),
     default=1.0,
     help="Factor on the number of level sets (1).",
 )
-@seed_option
 @output_option
 @as_json
-@repair_option
-@components_option
-def foliate(
-    name: str,
-    faces: int | None,
-    scale: float,
-    seed: int,
-    output: str | None,
-    as_json: bool,
-    repair: bool,
-    components: Components,
-) -> None:
+def foliate(surface: Surface, scale: float, output: str | None, as_json: bool) -> None:
     """Find a geodesic field, and a periodic function whose level sets follow it."""
     if output is not None:
-        check_output(output, name)
+        check_output(output, surface.name)
     from geoweave.geodesic import INTEGRABLE_END
     from geoweave.integration import foliate as integrated
 
     seconds: dict[str, float] = {}
     with status() as say:
-        prepared, solve = _designed(name, faces, seed, repair, components, INTEGRABLE_END, seconds, say)
+        prepared, solve = _designed(surface, INTEGRABLE_END, seconds, say)
         say("finding the integrating factor")
         with timed(seconds, "foliate"):
             foliation = integrated(
                 solve.field,
                 scale=scale,
-                seed=seed,
+                seed=surface.seed,
                 callback=lambda number, energy: say(
                     f"s and theta: alternation {number}, energy {energy:.6g}"
                 ),
@@ -116,7 +86,7 @@ def foliate(
             say(f"writing {output}")
             with timed(seconds, "write"):
                 _write(output, {**_field_arrays(solve), **_foliation_arrays(foliation)})
-    result = _field_result(name, prepared, solve, seed)
+    result = _field_result(surface, prepared, solve)
     measured = foliation.alignment
     result |= {
         "scale": scale,
@@ -138,128 +108,18 @@ def foliate(
     _report(result, seconds, prepared, output, as_json, rows)
 
 
-@click.command()
-@mesh_argument
-@click.option(
-    "-o", "output", metavar="DIR", required=True, help="Folder for the results; made if it is not there."
-)
-@click.option(
-    "--symmetry", type=click.IntRange(min=3), default=6, help="Vectors of the RoSy: 6 weaves triaxially (6)."
-)
-@click.option(
-    "--scale",
-    type=click.FloatRange(min=0, min_open=True),
-    default=1.0,
-    help="Factor on the number of ribbons (1).",
-)
-@faces_option
-@seed_option
-@click.option(
-    "--no-relax", is_flag=True, help="Stop before physics; needed for now, as relaxing is yet to come."
-)
-@as_json
-@repair_option
-@components_option
-def weave(
-    name: str,
-    output: str,
-    symmetry: int,
-    scale: float,
-    faces: int | None,
-    seed: int,
-    no_relax: bool,
-    as_json: bool,
-    repair: bool,
-    components: Components,
-) -> None:
-    """Design a weave: ribbons along geodesics, their crossings, over and under."""
-    if not no_relax:
-        raise click.UsageError("relaxing a weave by physics is yet to come; add --no-relax")
-    from geoweave.weave import weave_pattern
-
-    folder = new_folder(output)
-    seconds: dict[str, float] = {}
-    with status() as say:
-        with timed(seconds, "read"):
-            prepared = read_surface(name, components, repair, say)
-        if faces is not None:
-            with timed(seconds, "remesh"):
-                prepared = to_faces(prepared, faces, name, say)
-        pattern = weave_pattern(
-            prepared.mesh,
-            symmetry=symmetry,
-            scale=scale,
-            seed=seed,
-            callback=lambda stage: say(f"weaving: {stage}"),
-        )
-        seconds |= pattern.seconds
-        with timed(seconds, "write"):
-            folder.mkdir(exist_ok=True)
-            pattern.save(folder / "weave.json")
-    seconds["total"] = sum(seconds.values())
-    result = {
-        "mesh": name,
-        "faces": prepared.mesh.n_faces,
-        "genus": prepared.mesh.genus,
-        "boundary_loops": len(prepared.mesh.boundary_loops),
-        "symmetry": symmetry,
-        "scale": scale,
-        "seed": seed,
-        "branch_points": len(pattern.branch_points),
-        **pattern.metrics(),
-        "seconds": {key: round(value, 4) for key, value in seconds.items()},
-        "repairs": prepared.report.as_dict(),
-        "output": str(folder / "weave.json"),
-    }
-    if as_json:
-        print_json(result)
-        return
-    angle, turns = result["crossing_angle_deg"], result["alternation"]
-    alternation = (
-        f"{turns['fraction']:.1%} of neighbouring crossings; at most {turns['optimal_fraction_bound']:.1%}"
-    )
-    rows = [("faces", text_of(prepared.mesh.n_faces)), ("genus", text_of(prepared.mesh.genus))]
-    rows += [("repairs", text) for text in prepared.report.sentences()]
-    rows += [
-        ("branch points", text_of(result["branch_points"])),
-        (
-            "ribbons",
-            f"{result['ribbons']:,} in all {result['total_length']:.5g} long, {result['spacing']:.3g} apart",
-        ),
-        ("crossings", text_of(result["crossings"])),
-        ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
-        ("smallest angle", f"{angle['smallest']:.1f} degrees"),
-        ("alternation", alternation),
-        ("loose ends", text_of(result["loose_ends"])),
-        ("seconds", ", ".join(f"{key} {value:.2f}" for key, value in seconds.items())),
-        ("written to", result["output"]),
-    ]
-    print_table(name, rows)
-
-
 def _designed(
-    name: str,
-    faces: int | None,
-    seed: int,
-    repair: bool,
-    components: Components,
-    finest: float | None,
-    seconds: dict[str, float],
-    say: Say,
+    surface: Surface, finest: float | None, seconds: dict[str, float], say: Say
 ) -> tuple[Prepared, GeodesicSolve]:
     """Read a surface and run Algorithm 1 on it, sharpened to ``finest`` squared edges if given."""
     from geoweave.geodesic import geodesic_field, sharpening_schedule
     from geoweave.rosy import smoothest_field
 
-    with timed(seconds, "read"):
-        prepared = read_surface(name, components, repair, say)
-    if faces is not None:
-        with timed(seconds, "remesh"):
-            prepared = to_faces(prepared, faces, name, say)
+    prepared = prepared_surface(surface, seconds, say)
     mesh, _ = prepared.mesh.normalized()
     say("finding the smoothest field")
     with timed(seconds, "smoothest"):
-        smoothest = smoothest_field(mesh, seed=seed)
+        smoothest = smoothest_field(mesh, seed=surface.seed)
     done: list[Step] = []
 
     def follow(step: Step, _: FaceField) -> None:
@@ -273,12 +133,12 @@ def _designed(
     return prepared, solve
 
 
-def _field_result(name: str, prepared: Prepared, solve: GeodesicSolve, seed: int) -> dict[str, Any]:
+def _field_result(surface: Surface, prepared: Prepared, solve: GeodesicSolve) -> dict[str, Any]:
     from geoweave.fields import total_curl
 
     mesh = solve.field.mesh
     return {
-        "mesh": name,
+        "mesh": surface.name,
         "vertices": mesh.n_vertices,
         "faces": mesh.n_faces,
         "components": mesh.n_components,
@@ -288,7 +148,7 @@ def _field_result(name: str, prepared: Prepared, solve: GeodesicSolve, seed: int
         "singularities": _singularities(mesh, solve.initial, solve.field),
         "iterations": len(solve.steps),
         "converged": solve.converged,
-        "seed": seed,
+        "seed": surface.seed,
         "repairs": prepared.report.as_dict(),
     }
 

@@ -8,6 +8,8 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +40,41 @@ faces_option = click.option(
 seed_option = click.option(
     "--seed", type=click.IntRange(min=0), default=0, help="Seed of the random numbers (0)."
 )
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The surface that a command is to work on, as it was asked for."""
+
+    name: str
+    faces: int | None
+    seed: int
+    repair: bool
+    components: Components
+
+
+def surface_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the argument and the options that name a surface, and hand them over as one."""
+
+    @wraps(command)
+    def bundled(
+        name: str, faces: int | None, seed: int, repair: bool, components: Components, **others: Any
+    ) -> None:
+        command(Surface(name, faces, seed, repair, components), **others)
+
+    for option in (components_option, repair_option, seed_option, faces_option, mesh_argument):
+        bundled = option(bundled)
+    return bundled
+
+
+def prepared_surface(surface: Surface, seconds: dict[str, float], say: Say) -> Prepared:
+    """Read a surface, and remesh it if that was asked for; enters the time of both."""
+    with timed(seconds, "read"):
+        prepared = read_surface(surface.name, surface.components, surface.repair, say)
+    if surface.faces is not None:
+        with timed(seconds, "remesh"):
+            prepared = to_faces(prepared, surface.faces, surface.name, say)
+    return prepared
 
 
 def read_surface(name: str, components: Components, repair: bool, say: Say) -> Prepared:

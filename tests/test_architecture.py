@@ -58,7 +58,7 @@ LAYERS = (
     ("the pipeline", {"weave"}),
     ("models of the figures", {"models"}),
     ("the artifact", {"claims", "doctor", "execution", "notebooks", "progress", "runner"}),
-    ("the command", {"__main__", "cli", "design", "terminal"}),
+    ("the command", {"__main__", "cli", "design", "terminal", "weaving"}),
 )
 LEVEL = {name: level for level, (_, modules) in enumerate(LAYERS) for name in modules}
 ARTIFACT = next(level for level, (title, _) in enumerate(LAYERS) if title == "the artifact")

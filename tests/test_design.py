@@ -6,4 +6,3 @@ from geoweave import cli, design
 def test_the_command_line_offers_every_designing_command() -> None:
     assert cli.commands.commands["field"] is design.field
     assert cli.commands.commands["foliate"] is design.foliate
-    assert cli.commands.commands["weave"] is design.weave
