@@ -1,0 +1,201 @@
+"""Whether ribbons make a valid weave: checked on the result, not by what made it (Section 5.2)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import cKDTree
+
+from geoweave.arrays import Flags, Indices, Scalars, Vectors
+from geoweave.curves import Curves
+from geoweave.mesh import TriMesh
+from geoweave.ribbons import Ribbons
+from geoweave.straightest import Crossings
+
+__all__ = ["violations"]
+
+ROUNDING = 1e-6
+"""Share of the mean edge by which a point may be off its place."""
+
+MARGIN = 1e-6
+"""Share of a segment next to its ends that the search for unlisted crossings leaves to its neighbours."""
+
+
+def violations(ribbons: Ribbons, over: ArrayLike | None = None) -> list[str]:
+    """Say what is wrong with a weave, one sentence per rule that it breaks; nothing for a valid one.
+
+    The rules: each crossing lies on exactly two ribbons, or on one at two places, and is listed once; each
+    place where two ribbons meet inside a face is listed; each ribbon crosses at least once; each end of an
+    open ribbon lies on the boundary or has a crossing within a tail of it; no ribbon is shorter than
+    ``cutting.shortest`` spacings; one ribbon lies over at each crossing.
+
+    Parameters
+    ----------
+    ribbons : centrelines and crossings
+    over : (C,) which of the two ribbons lies over at each crossing, 0 or 1; not looked at if not given
+
+    Returns
+    -------
+    list of sentences that count, and name the first place by its ribbon or crossing and its position
+    """
+    curves, met = ribbons.curves, ribbons.crossings
+    if not len(curves):
+        return ["there is no ribbon"]
+    known = np.all((met.curves >= 0) & (met.curves < len(curves)), axis=1)
+    if not known.all():
+        return _said("crossings name a ribbon that is not there", ~known, met.points)
+    near = ROUNDING * curves.mesh.mean_edge
+    found = _off_their_ribbons(ribbons, near) + _listed_twice(ribbons, near)
+    found += _unlisted(ribbons, 10 * near)
+    crossed = np.bincount(met.curves.ravel(), minlength=len(curves)) > 0
+    found += _said("ribbons cross nothing", ~crossed, curves.points[curves.offsets[:-1]])
+    loose = _hanging(ribbons, near)
+    tips = np.stack([curves.points[curves.offsets[:-1]], curves.points[curves.offsets[1:] - 1]], axis=1)
+    found += _said("ends hang loose", loose.ravel(), tips.reshape(-1, 3))
+    shortest = ribbons.cutting.shortest * ribbons.spacing
+    short = curves.lengths < shortest * (1 - 1e-9)
+    found += _said(
+        f"ribbons are shorter than the pruning length {shortest:.3g}",
+        short,
+        curves.points[curves.offsets[:-1]],
+    )
+    if over is not None:
+        sides = np.asarray(over)
+        if sides.shape != (len(met),):
+            found.append(f"{sides.shape} sides do not fit {len(met)} crossings")
+        else:
+            found += _said("crossings have no ribbon over", ~np.isin(sides, (0, 1)), met.points)
+    return found
+
+
+def _said(what: str, wrong: Flags, points: Vectors) -> list[str]:
+    """One sentence with the count and the first place, or nothing."""
+    if not wrong.any():
+        return []
+    first = int(np.flatnonzero(wrong)[0])
+    place = ", ".join(f"{x:.4g}" for x in points[first])
+    return [f"{int(wrong.sum()):,} {what}, first number {first} at ({place})"]
+
+
+def _place(curves: Curves, which: Indices, at: Scalars) -> Vectors:
+    """(n, 3) point of each curve at an arc length."""
+    # One increasing coordinate over all curves: each begins where the one before it ends, and a bit.
+    begin = np.concatenate([[0.0], np.cumsum(curves.lengths + 1.0)[:-1]])
+    sizes = np.diff(curves.offsets)
+    all_along = curves.arclength + np.repeat(begin, sizes)
+    segment = np.searchsorted(all_along, begin[which] + at, side="right") - 1
+    segment = np.clip(segment, curves.offsets[which], curves.offsets[which + 1] - 1)
+    rest = begin[which] + at - all_along[segment]
+    length = curves.segment_lengths[segment]
+    share = np.clip(rest / np.where(length > 0, length, 1.0), 0.0, 1.0)
+    return np.asarray(curves.points[segment] + share[:, None] * curves.segments[segment])
+
+
+def _off_their_ribbons(ribbons: Ribbons, near: float) -> list[str]:
+    """Crossings at no two places of ribbons, or elsewhere than the ribbons are there."""
+    curves, met = ribbons.curves, ribbons.crossings
+    inside = (met.arclength >= -near) & (met.arclength <= curves.lengths[met.curves] + near)
+    found = _said("crossings lie beyond the end of a ribbon", ~np.all(inside, axis=1), met.points)
+    off = np.zeros(len(met), dtype=bool)
+    for side in (0, 1):
+        there = _place(curves, met.curves[:, side], met.arclength[:, side])
+        off |= np.linalg.norm(there - met.points, axis=1) > 10 * near
+    found += _said("crossings are not where their ribbons are", off, met.points)
+    own = met.curves[:, 0] == met.curves[:, 1]
+    apart = np.abs(met.arclength[:, 0] - met.arclength[:, 1])
+    return found + _said("crossings are of one ribbon at one place", own & (apart <= near), met.points)
+
+
+def _listed_twice(ribbons: Ribbons, near: float) -> list[str]:
+    """Crossings of the same two ribbons at the same two arc lengths."""
+    met = ribbons.crossings
+    turned = (met.curves[:, 0] > met.curves[:, 1]) | (
+        (met.curves[:, 0] == met.curves[:, 1]) & (met.arclength[:, 0] > met.arclength[:, 1])
+    )
+    pair = np.where(turned[:, None], met.curves[:, ::-1], met.curves)
+    at = np.where(turned[:, None], met.arclength[:, ::-1], met.arclength)
+    order = np.lexsort((at[:, 1], at[:, 0], pair[:, 1], pair[:, 0]))
+    same = (pair[order[1:]] == pair[order[:-1]]).all(axis=1)
+    same &= (np.abs(at[order[1:]] - at[order[:-1]]) <= near).all(axis=1)
+    twice = np.zeros(len(met), dtype=bool)
+    twice[order[1:][same]] = True
+    return _said("crossings are listed twice", twice, met.points)
+
+
+def _unlisted(ribbons: Ribbons, near: float) -> list[str]:
+    """Places inside a face where two segments cross and no crossing is listed: every pair in every face."""
+    curves, met = ribbons.curves, ribbons.crossings
+    last = np.zeros(len(curves.points), dtype=bool)
+    last[curves.offsets[1:][~curves.closed] - 1] = True
+    own = np.flatnonzero(~last & (curves.segment_lengths > near))
+    own = own[np.argsort(curves.faces[own], kind="stable")]
+    face = curves.faces[own]
+    first, second = _pairs(face)
+    a, b = own[first], own[second]
+    mesh = curves.mesh
+    frame = mesh.frames[curves.faces[a]]
+    u, v = _flat(frame, curves.segments[a]), _flat(frame, curves.segments[b])
+    between = _flat(frame, curves.points[b] - curves.points[a])
+    det = _cross(u, v)
+    steep = np.abs(det) > 1e-6 * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
+    det = np.where(steep, det, 1.0)
+    s, t = _cross(between, v) / det, _cross(between, u) / det
+    strict = steep & (s > MARGIN) & (s < 1 - MARGIN) & (t > MARGIN) & (t < 1 - MARGIN)
+    a, s, b = a[strict], s[strict], b[strict]
+    where = curves.points[a] + s[:, None] * curves.segments[a]
+    pairs = np.sort(curves.curve_of_point[np.stack([a, b], axis=1)], axis=1)
+    return _said("places where ribbons cross are not listed", ~_among(pairs, where, met, near), where)
+
+
+def _pairs(label: Indices) -> tuple[Indices, Indices]:
+    """All pairs of positions with the same label; labels are sorted."""
+    n = len(label)
+    end = np.searchsorted(label, label, side="right")
+    more = end - np.arange(n) - 1
+    first = np.repeat(np.arange(n), more)
+    start = np.cumsum(more) - more
+    return first, first + 1 + np.arange(len(first)) - start[first]
+
+
+def _flat(frame: Vectors, vectors: Vectors) -> Vectors:
+    return np.asarray(np.einsum("nkx,nx->nk", frame, vectors))
+
+
+def _cross(u: Vectors, v: Vectors) -> Scalars:
+    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+
+def _among(pairs: Indices, points: Vectors, met: Crossings, near: float) -> Flags:
+    """(n,) whether a crossing of the same two ribbons is listed so near to a point."""
+    if not len(met):
+        return np.zeros(len(pairs), dtype=bool)
+    # The ribbons as two more coordinates, so far apart that the nearest is one of the same two.
+    far = 4.0 * float(np.abs(met.points).max() + np.abs(points).max(initial=0.0) + near)
+    listed = np.concatenate([met.points, far * np.sort(met.curves, axis=1)], axis=1)
+    distance, _ = cKDTree(listed).query(np.concatenate([points, far * pairs], axis=1))
+    return np.asarray(distance <= near)
+
+
+def _hanging(ribbons: Ribbons, near: float) -> Flags:
+    """(n, 2) open ends off the boundary without a crossing of their ribbon within a tail."""
+    curves, met = ribbons.curves, ribbons.crossings
+    tail = ribbons.cutting.tail * ribbons.spacing
+    owner, at = met.curves.ravel(), met.arclength.ravel()
+    held = np.zeros((len(curves), 2), dtype=bool)
+    held[owner[at <= tail + near], 0] = True
+    held[owner[curves.lengths[owner] - at <= tail + near], 1] = True
+    loose = ~held & ~curves.closed[:, None]
+    for c, side in np.argwhere(loose):
+        tip = curves.points[curves.offsets[c + 1] - 1 if side else curves.offsets[c]]
+        loose[c, side] = _to_boundary(curves.mesh, tip) > near
+    return loose
+
+
+def _to_boundary(mesh: TriMesh, point: Vectors) -> float:
+    """Distance of a point to the nearest boundary edge, infinite on a closed surface."""
+    a, b = mesh.vertices[mesh.edges[mesh.boundary_edges]].transpose(1, 0, 2)
+    if not len(a):
+        return float("inf")
+    along = b - a
+    share = np.clip(((point - a) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    return float(np.linalg.norm(a + share[:, None] * along - point, axis=1).min())

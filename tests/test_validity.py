@@ -1,0 +1,112 @@
+"""A valid weave breaks no rule, and each rule is broken by one change."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from geoweave import shapes
+from geoweave.ribbons import Ribbons
+from geoweave.straightest import Crossings
+from geoweave.validity import violations
+from geoweave.weave import Weave, weave_pattern
+
+
+@cache
+def pattern() -> Weave:
+    return weave_pattern(shapes.square(faces=2000), time_limit=1.0)
+
+
+def changed(ribbons: Ribbons, pick: np.ndarray, **values: np.ndarray) -> Ribbons:
+    """Ribbons with some of their crossings, and some of these crossings' values others."""
+    met = ribbons.crossings
+    parts = {
+        name: np.array(getattr(met, name)[pick])
+        for name in ("curves", "segments", "arclength", "points", "faces", "angle")
+    }
+    return replace(ribbons, crossings=Crossings(**(parts | values)))
+
+
+def everything(ribbons: Ribbons) -> np.ndarray:
+    return np.arange(len(ribbons.crossings))
+
+
+def test_a_weave_as_it_is_made_breaks_no_rule() -> None:
+    weave = pattern()
+    assert len(weave.ribbons.crossings) > 50
+    assert violations(weave.ribbons, weave.interlacing.over) == []
+
+
+def test_a_crossing_taken_away_is_missed() -> None:
+    ribbons = pattern().ribbons
+    (sentence,) = violations(changed(ribbons, everything(ribbons)[np.arange(len(ribbons.crossings)) != 20]))
+    assert sentence.startswith("1 places where ribbons cross are not listed")
+
+
+def test_an_end_without_its_last_crossing_hangs_loose() -> None:
+    """Of a ribbon that ends off the boundary, the outermost crossing goes."""
+    ribbons = weave_with_open_ends()
+    curves, met = ribbons.curves, ribbons.crossings
+    tail = ribbons.cutting.tail * ribbons.spacing
+    near = met.arclength.min(axis=1) <= tail * (1 + 1e-9)
+    first = int(np.flatnonzero(near & ~curves.closed[met.curves].any(axis=1))[0])
+    found = violations(changed(ribbons, np.delete(everything(ribbons), first)))
+    assert any("ends hang loose" in sentence for sentence in found)
+
+
+@cache
+def weave_with_open_ends() -> Ribbons:
+    return weave_pattern(shapes.sphere(faces=2000), time_limit=1.0).ribbons
+
+
+def test_crossings_off_their_ribbons_are_found() -> None:
+    ribbons = pattern().ribbons
+    met, pick = ribbons.crossings, everything(pattern().ribbons)
+    points = np.array(met.points)
+    points[7] += 0.01
+    (away, missed) = violations(changed(ribbons, pick, points=points))
+    assert away.startswith("1 crossings are not where their ribbons are, first number 7 at (")
+    assert "not listed" in missed
+    arclength = np.array(met.arclength)
+    arclength[3, 1] = 1000.0
+    assert "beyond the end" in violations(changed(ribbons, pick, arclength=arclength))[0]
+    curves = np.array(met.curves)
+    curves[3, 1] = len(ribbons)
+    assert "not there" in violations(changed(ribbons, pick, curves=curves))[0]
+
+
+def test_a_crossing_listed_twice_is_found_also_the_other_way_round() -> None:
+    ribbons = pattern().ribbons
+    twice = np.append(everything(ribbons), 5)
+    other = changed(ribbons, twice)
+    assert "listed twice" in violations(other)[0]
+    met = other.crossings
+    curves, arclength = np.array(met.curves), np.array(met.arclength)
+    curves[-1], arclength[-1] = curves[-1, ::-1].copy(), arclength[-1, ::-1].copy()
+    turned = changed(ribbons, twice, curves=curves, arclength=arclength)
+    assert "listed twice" in violations(turned)[0]
+
+
+def test_short_ribbons_and_those_that_cross_nothing_are_found() -> None:
+    ribbons = pattern().ribbons
+    middle = float(np.median(ribbons.curves.lengths)) * 1.001
+    longer = replace(ribbons.cutting, shortest=middle / ribbons.spacing)
+    (sentence,) = violations(replace(ribbons, cutting=longer))
+    count = int((ribbons.curves.lengths < middle).sum())
+    assert count >= len(ribbons) // 2
+    assert sentence.startswith(f"{count} ribbons are shorter than the pruning length")
+    alone = changed(ribbons, (ribbons.crossings.curves != 2).all(axis=1))
+    assert any("1 ribbons cross nothing, first number 2" in sentence for sentence in violations(alone))
+
+
+@pytest.mark.parametrize("wrong", [2, -1])
+def test_a_crossing_without_a_ribbon_over_is_found(wrong: int) -> None:
+    weave = pattern()
+    over = np.array(weave.interlacing.over)
+    over[4] = wrong
+    (sentence,) = violations(weave.ribbons, over)
+    assert sentence.startswith("1 crossings have no ribbon over, first number 4")
+    assert "do not fit" in violations(weave.ribbons, over[1:])[0]
