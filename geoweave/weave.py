@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from os import PathLike
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from geoweave import interlacing
 from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.cover import Cover, branched_cover
-from geoweave.curves import geodesic_curvature
 from geoweave.errors import FieldError
+from geoweave.fields import FaceField
 from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
-from geoweave.integration import Foliation, foliate
-from geoweave.interlacing import Interlacing
+from geoweave.integration import LEAST_FIRST, Foliation, foliate, global_scale, punctured
 from geoweave.isolines import isolines
 from geoweave.mesh import Similarity, TriMesh
-from geoweave.output import replacing
+from geoweave.rescaling import integrating_factor
 from geoweave.ribbons import Cutting, Ribbons, ribbons
 from geoweave.rosy import smoothest_rosy
+from geoweave.scales import TRIES, nearest_scale
+from geoweave.woven import THINNESS, Weave, default_width, family_count, labels
 
-FORMAT, VERSION = "geoweave-weave", 1
-"""What the first lines of ``weave.json`` say."""
+__all__ = ["MOST_CROSSINGS", "Weave", "WeaveField", "labels", "weave_field", "weave_pattern"]
 
 MOST_CROSSINGS = 200_000
 """A weave that would have more is refused: it is a slip of the scale, and its proof would not end."""
@@ -34,231 +32,273 @@ MOST_CROSSINGS = 200_000
 LEVEL = 0.5 * np.pi
 """Level set on every sheet; theta is odd on antipodal sheets, so theirs interleave by half a period."""
 
+Callback = Callable[[str], None]
+"""Told the name of each stage as it begins."""
+
+
+class _Made(NamedTuple):
+    """What one scale gives, before over and under."""
+
+    scale: float
+    foliation: Foliation
+    ribbons: Ribbons
+    families: Indices
+
+
+class _Stages:
+    """The seconds of each stage, summed over the times it was entered."""
+
+    def __init__(self, callback: Callback | None, before: dict[str, float]) -> None:
+        self.callback, self.seconds = callback, dict(before)
+        self.name, self.clock = "", time.perf_counter()
+
+    def begin(self, name: str, more: str = "") -> None:
+        now = time.perf_counter()
+        if self.name:
+            self.seconds[self.name] = self.seconds.get(self.name, 0.0) + now - self.clock
+        self.name, self.clock = name, now
+        if self.callback is not None and name:
+            self.callback(name + more)
+
 
 @dataclass(frozen=True, eq=False)
-class Weave:
-    """Ribbons on a surface, which cross over and under each other.
+class WeaveField:
+    """The geodesic field on the branched cover that the weaves of a surface share, whatever their scale.
 
     Attributes
     ----------
     mesh : the surface, at bounding radius 1
     placement : how it got there from the position and size it was given in
-    symmetry : N of the RoSy; ribbons come in N / 2 families (N for odd N)
-    ribbons : centrelines and crossings
-    families : (n,) family of each ribbon, that of most of its length: across a branch cut families change
-    interlacing : which ribbon lies over at each crossing
+    symmetry : N of the RoSy
+    seed : of the RoSy and of the first eigenvector
     branch_points : vertices of the surface at which families are permuted
-    foliation : theta and s on the surface it was solved on, half of the cover for even N
+    cover : the N sheets
+    field : the geodesic field, on half of the cover for even N
+    factor : the first integrating factor on what puncturing leaves of that, area mean 1
+    frequency : how fast theta will turn at scale 1, area mean, radians / length
     seconds : wall-clock seconds of each stage
     """
 
     mesh: TriMesh
     placement: Similarity
     symmetry: int
-    ribbons: Ribbons
-    families: Indices
-    interlacing: Interlacing
+    seed: int
     branch_points: Indices
-    foliation: Foliation
+    cover: Cover
+    field: FaceField
+    factor: Scalars
+    frequency: float
     seconds: dict[str, float]
 
     @property
-    def crossing_angles(self) -> Scalars:
-        """(C,) angle between the two ribbons at each crossing, degrees, at most 90."""
-        angle = np.degrees(np.abs(self.ribbons.crossings.angle))
-        return np.minimum(angle, 180.0 - angle)
+    def families(self) -> int:
+        """Families of ribbons."""
+        return family_count(self.symmetry)
 
-    def metrics(self) -> dict[str, Any]:
-        """What a maker wants to know, in the unit of the surface given."""
-        curves, met = self.ribbons.curves, self.ribbons.crossings
-        unit, angle, aligned = self.placement.scale, self.crossing_angles, self.foliation.alignment
-        bending = np.abs(geodesic_curvature(curves)) / unit
-        order = np.argsort(bending)
-        share = np.cumsum(curves.segment_lengths[order])
-        p95 = bending[order][np.searchsorted(share, 0.95 * share[-1])]
-        return {
-            "ribbons": len(self.ribbons),
-            "crossings": len(met),
-            "total_length": float(curves.lengths.sum() * unit),
-            "spacing": float(self.ribbons.spacing * unit),
-            "crossing_angle_deg": {
-                "median": float(np.median(angle)),
-                "p05": float(np.percentile(angle, 5)),
-                "smallest": float(angle.min()),
-            },
-            "alternation": {
-                "fraction": self.interlacing.alternation,
-                "optimal_fraction_bound": self.interlacing.alternation_bound,
-                "proven": self.interlacing.proven,
-            },
-            "deviation_deg": {"median": aligned.median, "p95": aligned.p95},
-            "dislocations": aligned.dislocations,
-            "interleaved_triples": {
-                "count": self.interlacing.interleaved,
-                "of": self.interlacing.triples,
-            },
-            "loose_ends": int(self.ribbons.loose.sum()),
-            "geodesic_curvature": {
-                "mean": float(np.average(bending, weights=curves.segment_lengths)),
-                "p95": float(p95),
-            },
-        }
+    def expected_crossings(self, scale: float) -> float:
+        """Crossings of evenly spaced families at a scale, ``n (n - 1) / 2 A / d^2``, d the spacing."""
+        pairs = 0.5 * self.families * (self.families - 1)
+        return float(pairs * self.mesh.face_areas.sum() * (scale * self.frequency / np.pi) ** 2)
 
-    def document(self) -> dict[str, Any]:
-        """The contents of ``weave.json``, on the surface as it was given."""
-        curves, met = self.ribbons.curves, self.ribbons.crossings
-        place, unit = self.placement.undo, self.placement.scale
-        points, normals = place(curves.points), curves.normals
-        names = labels(self.families)
-        return {
-            "format": FORMAT,
-            "version": VERSION,
-            "units": "mesh",
-            "symmetry": self.symmetry,
-            "surface": {
-                "faces": self.mesh.n_faces,
-                "genus": self.mesh.genus,
-                "boundary_loops": len(self.mesh.boundary_loops),
-                "area": float(self.mesh.face_areas.sum() * unit**2),
-                "branch_points": place(self.mesh.vertices[self.branch_points]).tolist(),
-            },
-            "ribbons": [
-                {
-                    "id": c,
-                    "label": names[c],
-                    "family": int(self.families[c]),
-                    "closed": bool(curves.closed[c]),
-                    "length": float(curves.lengths[c] * unit),
-                    "points": points[curves.offsets[c] : curves.offsets[c + 1]].tolist(),
-                    "normals": normals[curves.offsets[c] : curves.offsets[c + 1]].tolist(),
-                }
-                for c in range(len(curves))
-            ],
-            "crossings": [
-                {
-                    "id": x,
-                    "ribbons": met.curves[x].tolist(),
-                    "arclength": (met.arclength[x] * unit).tolist(),
-                    "point": point,
-                    "angle_deg": float(self.crossing_angles[x]),
-                    "over": int(met.curves[x, self.interlacing.over[x]]),
-                    # where a ribbon crosses itself its number does not tell the strands apart
-                    "over_index": int(self.interlacing.over[x]),
-                }
-                for x, point in enumerate(place(met.points).tolist())
-            ],
-            "metrics": self.metrics(),
-        }
+    def pattern(
+        self,
+        *,
+        scale: float | None = None,
+        ribbons: int | None = None,
+        cutting: Cutting | None = None,
+        time_limit: float = 10.0,
+        tries: int = TRIES,
+        callback: Callback | None = None,
+    ) -> Weave:
+        """Design a weave of this field; see `weave_pattern`."""
+        _check(scale, ribbons)
+        stages = _Stages(callback, self.seconds)
+        tried: tuple[tuple[float, int], ...] = ()
+        if ribbons is None:
+            made = self._made(1.0 if scale is None else scale, cutting, stages)
+        else:
+            made, tried = self._nearest(ribbons, cutting, tries, stages)
+        stages.begin("interlacing")
+        met = made.ribbons.crossings
+        sides = interlacing.optimal(
+            interlacing.Crossings(met.curves, met.arclength, made.ribbons.curves.closed), time_limit
+        )
+        stages.begin("")
+        width = default_width(made.ribbons.spacing, self.symmetry)
+        return Weave(
+            self.mesh,
+            self.placement,
+            "mesh",
+            self.symmetry,
+            made.ribbons,
+            made.families,
+            sides,
+            self.branch_points,
+            made.foliation,
+            stages.seconds,
+            made.scale,
+            tried,
+            width,
+            width / THINNESS,
+        )
 
-    def save(self, path: str | PathLike[str]) -> None:
-        """Write ``weave.json``, whole or not at all."""
-        text = json.dumps(self.document(), allow_nan=False)
-        with replacing(path) as temporary:
-            temporary.write_text(text + "\n", encoding="utf-8")
+    def _made(self, scale: float, cutting: Cutting | None, stages: _Stages, more: str = "") -> _Made:
+        """Go from the field to ribbons and crossings."""
+        expected = self.expected_crossings(scale)
+        if expected > MOST_CROSSINGS:
+            raise FieldError(
+                f"the weave would have about {expected:,.0f} crossings, more than {MOST_CROSSINGS:,}; "
+                "ask for a smaller scale"
+            )
+        stages.begin("foliation", more)
+        # Every scale starts from the same factor, so that a scale gives the same weave whoever asks for it.
+        foliation = foliate(self.field, scale=scale, rescaling=self.factor, quantile=1.0, seed=self.seed)
+        stages.begin("ribbons", more)
+        cover, sheets = self.cover, self.families
+        level_sets = isolines(cover.quotient.lifted(foliation), [LEVEL])
+        found = ribbons(cover.project(level_sets), sheets, cutting)
+        families = _families(cover, level_sets.faces, level_sets.segment_lengths, level_sets.offsets, sheets)
+        return _Made(scale, foliation, found, frozen(families[found.origin]))
+
+    def _nearest(
+        self, wanted: int, cutting: Cutting | None, tries: int, stages: _Stages
+    ) -> tuple[_Made, tuple[tuple[float, int], ...]]:
+        """Search for the scale that gives so many ribbons."""
+        numbers = cutting or Cutting()
+        best: _Made | None = None
+
+        def count(scale: float) -> int:
+            nonlocal best
+            expected = self.expected_crossings(scale)
+            if expected > MOST_CROSSINGS:
+                raise FieldError(
+                    f"a weave of {wanted:,} ribbons would have about {expected:,.0f} crossings, more than "
+                    f"{MOST_CROSSINGS:,}; ask for fewer ribbons"
+                )
+            try:
+                made = self._made(scale, numbers, stages, f" at scale {scale:g}")
+            except FieldError:  # nothing is left: the scale is too small
+                return 0
+            # Only the nearest is kept, by the rule of the search.
+            misses = [(abs(len(each.ribbons) - wanted), len(each.ribbons)) for each in (best, made) if each]
+            if len(misses) == 1 or misses[1] < misses[0]:
+                best = made
+            return len(made.ribbons)
+
+        search = nearest_scale(count, wanted, tries=tries)
+        assert best is not None  # or the search would have raised
+        return best, search.tried
 
 
-def labels(families: Indices) -> list[str]:
-    """Name each ribbon by its family and its number in it: A1, A2, ..., B1, ..."""
-    count: dict[int, int] = {}
-    names = []
-    for family in families.tolist():
-        count[family] = count.get(family, 0) + 1
-        names.append(f"{chr(ord('A') + family)}{count[family]}")
-    return names
+def weave_field(
+    mesh: TriMesh, *, symmetry: int = 6, seed: int = 0, callback: Callback | None = None
+) -> WeaveField:
+    """Find the geodesic field that the weaves of a surface share (Section 5.1).
+
+    Smoothest RoSy, branched cover, Algorithm 1 on it, and the first integrating factor.
+
+    Parameters
+    ----------
+    mesh : the surface, anywhere and of any size
+    symmetry : N, 3 or more; 6 for a triaxial weave
+    seed : of the RoSy and of the first eigenvector
+    callback : called with the name of each stage as it begins
+
+    Raises
+    ------
+    FieldError
+        If the symmetry is less than 3.
+    """
+    if symmetry < 3:
+        raise FieldError(f"a weave needs a symmetry of 3 or more, not {symmetry}")
+    stages = _Stages(callback, {})
+    stages.begin("rosy")
+    surface, placement = mesh.normalized()
+    rosy = smoothest_rosy(surface, degree=symmetry, seed=seed)
+    stages.begin("cover")
+    cover = branched_cover(rosy)
+    quotient = cover.quotient
+    stages.begin("field")
+    schedule = sharpening_schedule(quotient.mesh, finest=INTEGRABLE_END)
+    field = geodesic_field(quotient.field, smoothness=schedule).field
+    stages.begin("foliation", ": first factor")
+    w, _ = punctured(field)
+    factor = integrating_factor(w).s
+    factor = frozen(np.maximum(factor, LEAST_FIRST * float(np.median(factor))))
+    turning = global_scale(w, factor) * factor
+    stages.begin("")
+    return WeaveField(
+        surface,
+        placement,
+        symmetry,
+        seed,
+        frozen(rosy.branch_points),
+        cover,
+        field,
+        factor,
+        float(np.average(turning, weights=w.mesh.face_areas)),
+        stages.seconds,
+    )
 
 
 def weave_pattern(
     mesh: TriMesh,
     *,
     symmetry: int = 6,
-    scale: float = 1.0,
+    scale: float | None = None,
+    ribbons: int | None = None,
     seed: int = 0,
     cutting: Cutting | None = None,
     time_limit: float = 10.0,
-    callback: Callable[[str], None] | None = None,
+    tries: int = TRIES,
+    callback: Callback | None = None,
 ) -> Weave:
     """Design a weave of a surface, up to the point where physics begins (Section 5.2).
 
     Smoothest RoSy, branched cover, geodesic field, s and theta on one of each two antipodal sheets, level
     sets, ribbons, crossings, over and under. The frequency is the paper's, half a turn on the steepest edge
-    (footnote 4), times ``scale``.
+    (footnote 4), times a scale. For several weaves of one surface take `weave_field` once, then its
+    `pattern`.
 
     Parameters
     ----------
     mesh : the surface, anywhere and of any size
     symmetry : N, 3 or more; 6 for a triaxial weave
-    scale : factor on the number of ribbons
+    scale : factor on the number of ribbons; 1 if nothing is asked for
+    ribbons : how many ribbons there should be, in place of a scale: the nearest that `nearest_scale` meets.
+        The weave says its scale, and asking for that scale gives the same weave
     seed : of the RoSy and of the first eigenvector
     cutting : the numbers of the clean-up of the ribbons
     time_limit : seconds for the proof that no choice of over and under alternates more often
+    tries : how many scales are tried at most for a number of ribbons
     callback : called with the name of each stage as it begins
 
     Raises
     ------
     FieldError
-        If a parameter is out of range, or nothing of the level sets is long enough.
+        If a parameter is out of range, both a scale and a number of ribbons are given, or nothing of the
+        level sets is long enough.
     """
-    if symmetry < 3:
-        raise FieldError(f"a weave needs a symmetry of 3 or more, not {symmetry}")
-    seconds: dict[str, float] = {}
-    clock, stage = time.perf_counter(), ""
-
-    def begin(name: str) -> None:
-        nonlocal clock, stage
-        now = time.perf_counter()
-        if stage:
-            seconds[stage] = now - clock
-        clock, stage = now, name
-        if callback is not None and name:
-            callback(name)
-
-    begin("rosy")
-    surface, placement = mesh.normalized()
-    rosy = smoothest_rosy(surface, degree=symmetry, seed=seed)
-    begin("cover")
-    cover = branched_cover(rosy)
-    quotient = cover.quotient
-    begin("field")
-    schedule = sharpening_schedule(quotient.mesh, finest=INTEGRABLE_END)
-    solve = geodesic_field(quotient.field, smoothness=schedule)
-    begin("foliation")
-    foliation = foliate(solve.field, scale=scale, quantile=1.0, seed=seed)
-    sheets = symmetry // 2 if symmetry % 2 == 0 else symmetry
-    _refuse_too_many(foliation, sheets)
-    begin("ribbons")
-    level_sets = isolines(quotient.lifted(foliation), [LEVEL])
-    found = ribbons(cover.project(level_sets), sheets, cutting)
-    families = _families(cover, level_sets.faces, level_sets.segment_lengths, level_sets.offsets, sheets)
-    begin("interlacing")
-    met = found.crossings
-    sides = interlacing.optimal(
-        interlacing.Crossings(met.curves, met.arclength, found.curves.closed), time_limit
-    )
-    begin("")
-    return Weave(
-        surface,
-        placement,
-        symmetry,
-        found,
-        frozen(families[found.origin]),
-        sides,
-        frozen(rosy.branch_points),
-        foliation,
-        seconds,
+    _check(scale, ribbons)
+    field = weave_field(mesh, symmetry=symmetry, seed=seed, callback=callback)
+    return field.pattern(
+        scale=scale,
+        ribbons=ribbons,
+        cutting=cutting,
+        time_limit=time_limit,
+        tries=tries,
+        callback=callback,
     )
 
 
-def _refuse_too_many(foliation: Foliation, families: int) -> None:
-    """Estimate the crossings of evenly spaced families, ``n (n - 1) / 2 A / d^2``; refuse too many."""
-    areas = foliation.part.mesh.face_areas
-    per_area = float(np.average(np.abs(foliation.circle.gradient), weights=areas)) / np.pi
-    below = float(areas.sum()) / families
-    expected = 0.5 * families * (families - 1) * below * per_area**2
-    if expected > MOST_CROSSINGS:
-        raise FieldError(
-            f"the weave would have about {expected:,.0f} crossings, more than {MOST_CROSSINGS:,}; "
-            "ask for a smaller scale"
-        )
+def _check(scale: float | None, ribbons: int | None) -> None:
+    """Refuse what cannot be asked for, before any work."""
+    if scale is not None and ribbons is not None:
+        raise FieldError(f"a weave has a scale ({scale:g}) or a number of ribbons ({ribbons}), not both")
+    if scale is not None and not (np.isfinite(scale) and scale > 0):
+        raise FieldError(f"the scale of a weave must be a positive number, not {scale}")
+    if ribbons is not None and ribbons < 1:
+        raise FieldError(f"a weave has one ribbon or more, not {ribbons}")
 
 
 def _families(cover: Cover, faces: Indices, lengths: Scalars, offsets: Indices, count: int) -> Indices:

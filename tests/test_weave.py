@@ -12,17 +12,22 @@ import pytest
 from geoweave import shapes
 from geoweave.errors import FieldError
 from geoweave.mesh import TriMesh
-from geoweave.weave import Weave, labels, weave_pattern
+from geoweave.weave import Weave, WeaveField, weave_field, weave_pattern
 
 
 def surface() -> TriMesh:
-    ring = shapes.torus(faces=2500)
+    ring = shapes.torus(faces=1500)
     return TriMesh(7.0 * ring.vertices + [1.0, 2.0, 3.0], ring.faces)
 
 
 @cache
+def directions() -> WeaveField:
+    return weave_field(surface())
+
+
+@cache
 def pattern() -> Weave:
-    return weave_pattern(surface(), scale=0.8)
+    return directions().pattern(scale=0.8)
 
 
 def test_every_crossing_is_on_two_ribbons_and_every_end_is_held() -> None:
@@ -80,13 +85,40 @@ def test_the_same_seed_gives_the_same_file(tmp_path: Path) -> None:
     assert (tmp_path / "a.json").read_bytes() == (tmp_path / "b.json").read_bytes()
 
 
-def test_a_smaller_scale_gives_fewer_ribbons() -> None:
-    assert weave_pattern(surface(), scale=0.4).ribbons.spacing > 1.5 * pattern().ribbons.spacing
+def test_a_smaller_scale_gives_fewer_ribbons_from_the_same_field() -> None:
+    assert directions().pattern(scale=0.4).ribbons.spacing > 1.5 * pattern().ribbons.spacing
 
 
-def test_names_and_limits() -> None:
-    assert labels(np.array([0, 1, 0, 2])) == ["A1", "B1", "A2", "C1"]
+def test_a_number_of_ribbons_is_met_or_the_nearest_is_taken() -> None:
+    wanted = len(pattern().ribbons) // 2
+    found = directions().pattern(ribbons=wanted, tries=5)
+    assert 1 <= len(found.tried) <= 5
+    misses = [abs(count - wanted) for _, count in found.tried if count]
+    assert abs(len(found.ribbons) - wanted) == min(misses) <= 4
+    assert dict(found.tried)[found.scale] == len(found.ribbons)
+    # what it says it did can be asked for
+    again = directions().pattern(scale=found.scale)
+    np.testing.assert_array_equal(again.ribbons.curves.points, found.ribbons.curves.points)
+    np.testing.assert_array_equal(again.interlacing.over, found.interlacing.over)
+    assert again.document() == found.document()
+
+
+def test_the_expected_crossings_are_of_the_right_size() -> None:
+    expected = directions().expected_crossings(0.8)
+    assert 0.6 < len(pattern().ribbons.crossings) / expected < 1.2
+    assert directions().expected_crossings(1.6) == pytest.approx(4 * expected)
+
+
+def test_limits() -> None:
     with pytest.raises(FieldError, match="smaller scale"):
-        weave_pattern(surface(), scale=500.0)
+        directions().pattern(scale=500.0)
+    with pytest.raises(FieldError, match="a weave of 1,000,000 ribbons would have about"):
+        directions().pattern(ribbons=1_000_000, tries=4)
     with pytest.raises(FieldError, match="symmetry of 3"):
         weave_pattern(surface(), symmetry=2)
+    with pytest.raises(FieldError, match="not both"):
+        weave_pattern(surface(), scale=1.0, ribbons=40)
+    with pytest.raises(FieldError, match="positive number, not -1"):
+        weave_pattern(surface(), scale=-1.0)
+    with pytest.raises(FieldError, match="one ribbon or more, not 0"):
+        weave_pattern(surface(), ribbons=0)

@@ -1,0 +1,236 @@
+"""A weave and what a maker wants to know of it; the file ``weave.json`` (Section 5.2)."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+from os import PathLike
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+
+from geoweave.arrays import Indices, Scalars
+from geoweave.curves import geodesic_curvature
+from geoweave.errors import FieldError
+from geoweave.integration import Foliation
+from geoweave.interlacing import Interlacing
+from geoweave.mesh import Similarity, TriMesh
+from geoweave.output import replacing
+from geoweave.ribbons import Ribbons
+
+__all__ = ["FORMAT", "VERSION", "Units", "Weave", "default_width", "family_count", "labels"]
+
+FORMAT, VERSION = "geoweave-weave", 1
+"""What the first lines of ``weave.json`` say."""
+
+Units: TypeAlias = Literal["mesh", "mm"]
+"""Of everything that is written: that of the mesh file, or millimetres."""
+
+COVERED = 0.9
+"""Default width of a ribbon times the number of families, as a share of the spacing."""
+
+THINNESS = 20.0
+"""Width over thickness of ribbons whose thickness is not given, as of the cone in the paper's Fig. 25."""
+
+
+def family_count(symmetry: int) -> int:
+    """Families of ribbons of an N-RoSy: two opposite vectors share one."""
+    return symmetry // 2 if symmetry % 2 == 0 else symmetry
+
+
+def default_width(spacing: float, symmetry: int) -> float:
+    """Width ``0.9 d / families`` of ribbons d apart; at d / 3 a flat triaxial weave has no triangles left."""
+    return COVERED * spacing / family_count(symmetry)
+
+
+@dataclass(frozen=True, eq=False)
+class Weave:
+    """Ribbons on a surface, which cross over and under each other.
+
+    Lengths are those of `mesh`; `document` and `metrics` give them in `units`.
+
+    Attributes
+    ----------
+    mesh : the surface, at bounding radius 1
+    placement : how it got there from the position and size in which the weave is written
+    units : of the position and size in which it is written
+    symmetry : N of the RoSy; ribbons come in N / 2 families (N for odd N)
+    ribbons : centrelines and crossings
+    families : (n,) family of each ribbon, that of most of its length: across a branch cut families change
+    interlacing : which ribbon lies over at each crossing
+    branch_points : vertices of the surface at which families are permuted
+    foliation : theta and s on the surface it was solved on, half of the cover for even N
+    seconds : wall-clock seconds of each stage
+    scale : factor on the number of ribbons
+    tried : the scales that were tried for a number of ribbons, and how many ribbons each gave
+    width, thickness : of a ribbon
+    """
+
+    mesh: TriMesh
+    placement: Similarity
+    units: Units
+    symmetry: int
+    ribbons: Ribbons
+    families: Indices
+    interlacing: Interlacing
+    branch_points: Indices
+    foliation: Foliation
+    seconds: dict[str, float]
+    scale: float
+    tried: tuple[tuple[float, int], ...]
+    width: float
+    thickness: float
+
+    def sized(
+        self, size: float | None = None, width: float | None = None, thickness: float | None = None
+    ) -> Weave:
+        """Return the same weave as it is to be made.
+
+        Parameters
+        ----------
+        size : largest extent of the bounding box of the surface in mm; it is scaled about the origin of its
+            file, and everything is then written in mm. If not given, the size and the unit stay as they are
+        width, thickness : of a ribbon, in the unit in which the weave is then written. If not given, what
+            they were; if only the width is, the thickness becomes a twentieth of it
+
+        Raises
+        ------
+        FieldError
+            If a number is not positive.
+        """
+        for name, value in (("size", size), ("width", width), ("thickness", thickness)):
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise FieldError(f"the {name} of a weave must be a positive number, not {value}")
+        placement, units = self.placement, self.units
+        if size is not None:
+            factor = size / (float(np.ptp(self.mesh.vertices, axis=0).max()) * placement.scale)
+            placement = Similarity(placement.center * factor, placement.scale * factor)
+            units = "mm"
+        wide = self.width if width is None else width / placement.scale
+        thin = self.thickness if width is None else wide / THINNESS
+        if thickness is not None:
+            thin = thickness / placement.scale
+        return replace(self, placement=placement, units=units, width=wide, thickness=thin)
+
+    @property
+    def names(self) -> list[str]:
+        """Name of each ribbon: family and number in it."""
+        return labels(self.families)
+
+    @property
+    def crossing_angles(self) -> Scalars:
+        """(C,) angle between the two ribbons at each crossing, degrees, at most 90."""
+        angle = np.degrees(np.abs(self.ribbons.crossings.angle))
+        return np.minimum(angle, 180.0 - angle)
+
+    def metrics(self) -> dict[str, Any]:
+        """What a maker wants to know, in `units`; metres of ribbon too where these are millimetres."""
+        curves, met = self.ribbons.curves, self.ribbons.crossings
+        unit, angle, aligned = self.placement.scale, self.crossing_angles, self.foliation.alignment
+        bending = np.abs(geodesic_curvature(curves)) / unit
+        order = np.argsort(bending)
+        share = np.cumsum(curves.segment_lengths[order])
+        p95 = bending[order][np.searchsorted(share, 0.95 * share[-1])]
+        total = float(curves.lengths.sum() * unit)
+        return {
+            "ribbons": len(self.ribbons),
+            "crossings": len(met),
+            "total_length": total,
+            **({"metres": total / 1000.0} if self.units == "mm" else {}),
+            "spacing": float(self.ribbons.spacing * unit),
+            "crossing_angle_deg": {
+                "median": float(np.median(angle)),
+                "p05": float(np.percentile(angle, 5)),
+                "smallest": float(angle.min()),
+            },
+            "alternation": {
+                "fraction": self.interlacing.alternation,
+                "optimal_fraction_bound": self.interlacing.alternation_bound,
+                "proven": self.interlacing.proven,
+            },
+            "deviation_deg": {"median": aligned.median, "p95": aligned.p95},
+            "dislocations": aligned.dislocations,
+            "interleaved_triples": {
+                "count": self.interlacing.interleaved,
+                "of": self.interlacing.triples,
+            },
+            "loose_ends": int(self.ribbons.loose.sum()),
+            "geodesic_curvature": {
+                "mean": float(np.average(bending, weights=curves.segment_lengths)),
+                "p95": float(p95),
+            },
+        }
+
+    def document(self) -> dict[str, Any]:
+        """The contents of ``weave.json``, on the surface as it was given, or at the size asked for."""
+        curves, met = self.ribbons.curves, self.ribbons.crossings
+        place, unit = self.placement.undo, self.placement.scale
+        points, normals = place(curves.points), curves.normals
+        names = self.names
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "units": self.units,
+            "symmetry": self.symmetry,
+            "scale": self.scale,
+            "width": self.width * unit,
+            "thickness": self.thickness * unit,
+            "surface": {
+                "faces": self.mesh.n_faces,
+                "genus": self.mesh.genus,
+                "boundary_loops": len(self.mesh.boundary_loops),
+                "area": float(self.mesh.face_areas.sum() * unit**2),
+                "branch_points": place(self.mesh.vertices[self.branch_points]).tolist(),
+            },
+            "ribbons": [
+                {
+                    "id": c,
+                    "label": names[c],
+                    "family": int(self.families[c]),
+                    "closed": bool(curves.closed[c]),
+                    "length": float(curves.lengths[c] * unit),
+                    "points": points[curves.offsets[c] : curves.offsets[c + 1]].tolist(),
+                    "normals": normals[curves.offsets[c] : curves.offsets[c + 1]].tolist(),
+                }
+                for c in range(len(curves))
+            ],
+            "crossings": [
+                {
+                    "id": x,
+                    "ribbons": met.curves[x].tolist(),
+                    "arclength": (met.arclength[x] * unit).tolist(),
+                    "point": point,
+                    "angle_deg": float(self.crossing_angles[x]),
+                    "over": int(met.curves[x, self.interlacing.over[x]]),
+                    # where a ribbon crosses itself its number does not tell the strands apart
+                    "over_index": int(self.interlacing.over[x]),
+                }
+                for x, point in enumerate(place(met.points).tolist())
+            ],
+            "metrics": self.metrics(),
+        }
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write ``weave.json``, whole or not at all."""
+        text = json.dumps(self.document(), allow_nan=False)
+        with replacing(path) as temporary:
+            temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def labels(families: Indices) -> list[str]:
+    """Name each ribbon by its family and its number in it: A1, A2, ..., B1, ..., Z9, AA1, ..."""
+    count: dict[int, int] = {}
+    names = []
+    for family in families.tolist():
+        count[family] = count.get(family, 0) + 1
+        names.append(f"{_letters(family)}{count[family]}")
+    return names
+
+
+def _letters(family: int) -> str:
+    """A to Z, then AA, AB, ... as the columns of a spreadsheet."""
+    letters, rest = "", family + 1
+    while rest:
+        rest, digit = divmod(rest - 1, 26)
+        letters = chr(ord("A") + digit) + letters
+    return letters
