@@ -50,8 +50,8 @@ class Rod:
     ------
     RodError
         If it has fewer than two vertices (three when closed), an array does not fit, a number is not
-        finite, a segment has no length, a width is not positive, or a director is no unit vector square to
-        its segment.
+        finite, a segment has no length, a width is not positive, a director is no unit vector square to
+        its segment, or a colour is no whole number, that of the rod from 0 on.
     """
 
     centerline: Vectors
@@ -115,6 +115,9 @@ class Rod:
             )
         if (colors != np.floor(colors)).any():
             raise RodError("its segment colours are not whole numbers")
+        if self.color != int(self.color) or not 0 <= self.color < 10**18:
+            raise RodError(f"its colour is {self.color}; give a whole number from 0 on")
+        object.__setattr__(self, "color", int(self.color))
         object.__setattr__(self, "centerline", frozen(points))
         object.__setattr__(self, "directors", frozen(directors))
         object.__setattr__(self, "angles", frozen(angles))

@@ -214,6 +214,9 @@ def test_values_refuse_what_files_must_not_hold(tmp_path):
         Rod(np.eye(3)[:2], np.eye(3)[:2], np.ones(2), closed=True)
     with pytest.raises(RodError, match="directors are of shape"):
         Rod(np.eye(3), np.eye(3), np.ones(2))
+    for color in (-1, 0.5, 10**18):
+        with pytest.raises(RodError, match="whole number from 0 on"):
+            bar(4, color=color)
     with pytest.raises(RodError, match="segment to itself"):
         dataclasses.replace(sample(), crossings=(RodCrossing((0, 0), (3, 3), (0.1, 0.9)),))
     with pytest.raises(RodError, match="Young's modulus is nan"):
