@@ -27,6 +27,15 @@ LARGEST_COORDINATE = 1e60
 MOST_ROUNDS = 50
 """Of welding and flipping; each round undoes a part of every chain of faces without area."""
 
+UNEVEN = 2.0
+"""Longest edge that a weave takes as it is, in sides of as many equilateral triangles on the same area."""
+
+FEWEST = 2_000
+"""Triangles that carry a weave; a surface with fewer is remeshed."""
+
+COARSEST, FINEST = 4_000, 10_000
+"""Bounds on the number of triangles of a surface that is remeshed for a weave."""
+
 _SENTENCES = {
     "unreferenced_vertices": "dropped {} that no face uses",
     "welded_vertices": "welded {} to another at the same place",
@@ -121,6 +130,39 @@ def remeshed(prepared: Prepared, faces: int, *, name: str = "mesh") -> Prepared:
     except MeshError as error:
         raise MeshError(f"{name}: {error}") from None
     return Prepared(mesh, replace(prepared.report, remeshed_from=prepared.mesh.n_faces))
+
+
+def evened(prepared: Prepared, *, name: str = "mesh") -> Prepared:
+    """Remesh a surface whose triangles are too uneven or too few to weave on; leave any other as it is.
+
+    The steepest edge sets how dense a weave is (footnote 4), so that one long edge makes the whole weave
+    coarse; the paper remeshes every input (Sections 5.2 and 6). Here one is remeshed if its longest edge
+    exceeds ``UNEVEN sqrt(4 A / (sqrt(3) F))``, A its area, or if it has fewer than ``FEWEST`` triangles: to
+    as many as it has, at least ``COARSEST`` and at most ``FINEST``, or more where its topology asks for more.
+
+    Parameters
+    ----------
+    prepared : the surface, of any scale
+    name : of the file, for the message
+
+    Raises
+    ------
+    MeshError
+        If no such number of triangles keeps the topology.
+    """
+    mesh = prepared.mesh
+    side = np.sqrt(4.0 * mesh.face_areas.sum() / (np.sqrt(3.0) * mesh.n_faces))
+    if mesh.n_faces >= FEWEST and mesh.edge_lengths.max() <= UNEVEN * side:
+        return prepared
+    faces = int(np.clip(mesh.n_faces, COARSEST, FINEST))
+    most = 4 * max(mesh.n_faces, faces)
+    while True:
+        try:
+            return remeshed(prepared, faces, name=name)
+        except MeshError:
+            faces *= 2
+            if faces > most:
+                raise
 
 
 def prepare_arrays(

@@ -40,12 +40,16 @@ def weave(surface: Surface, output: str, symmetry: int, scale: float, no_relax: 
     """Design a weave: ribbons along geodesics, their crossings, over and under."""
     if not no_relax:
         raise click.UsageError("relaxing a weave by physics is yet to come; add --no-relax")
+    from geoweave.prepare import evened
     from geoweave.weave import weave_pattern
 
     folder = new_folder(output)
     seconds: dict[str, float] = {}
     with status() as say:
         prepared = prepared_surface(surface, seconds, say)
+        if surface.faces is None:
+            with timed(seconds, "remesh"):
+                prepared = evened(prepared, name=surface.name)
         pattern = weave_pattern(
             prepared.mesh,
             symmetry=symmetry,
