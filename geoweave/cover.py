@@ -62,6 +62,31 @@ class Cover:
         return frozen(np.repeat(np.arange(self.degree), len(self.part.faces)))
 
     @cached_property
+    def combed(self) -> Indices:
+        """(N F',) sheet of each face, numbered so that gluings keep the number but across branch cuts.
+
+        `sheets` counts from the frame of each face, so neighbours in one direction have any two numbers there.
+        Here numbers are carried from face to face along a breadth-first tree of each component. Cuts are left
+        that join the branch points; across one the number changes by a constant, that of the families too.
+        """
+        below, shift = self.part.mesh, _matching_on(self.rosy, self.part)
+        i, j = below.edge_faces[below.interior_edges].T
+        # Entry i, j: one more than the shift from face i to face j, since nothing is stored for zero.
+        steps = sparse.coo_array(
+            (1 + np.concatenate([shift, -shift]) % self.degree, (np.append(i, j), np.append(j, i))),
+            shape=(below.n_faces,) * 2,
+        ).tocsr()
+        _, roots = np.unique(below.face_components, return_index=True)
+        depth, parent, _ = csgraph.dijkstra(
+            steps, indices=roots, unweighted=True, return_predecessors=True, min_only=True
+        )
+        offset = np.zeros(below.n_faces, dtype=np.int64)
+        for level in range(1, int(depth.max()) + 1):
+            face = np.flatnonzero(depth == level)
+            offset[face] = offset[parent[face]] - (steps[parent[face], face] - 1)
+        return frozen((self.sheets + np.tile(offset, self.degree)) % self.degree)
+
+    @cached_property
     def field(self) -> FaceField:
         """The lifted RoSy: on each face the unit vector of its sheet (w^0 of Section 5.2)."""
         return FaceField(self.mesh, self.rosy.vectors[self.faces, self.sheets])

@@ -305,5 +305,5 @@ def _families(cover: Cover, faces: Indices, lengths: Scalars, offsets: Indices, 
     """Family of each level set on the cover: the sheet, antipodes taken for one, of most of its length."""
     of_curve = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     table = np.zeros((len(offsets) - 1, count))
-    np.add.at(table, (of_curve, cover.sheets[faces] % count), lengths)
+    np.add.at(table, (of_curve, cover.combed[faces] % count), lengths)
     return np.asarray(table.argmax(axis=1), dtype=np.int64)

@@ -102,6 +102,46 @@ def test_the_turn_by_one_sheet_has_order_n() -> None:
     np.testing.assert_array_equal(image, np.arange(cover.mesh.n_faces))
 
 
+def test_combed_sheets_are_components_where_nothing_branches() -> None:
+    cover = cover_of("disk")
+    for component in range(6):
+        assert len(np.unique(cover.combed[cover.mesh.face_components == component])) == 1
+
+
+@pytest.mark.parametrize(("name", "degree"), [("icosahedron", 6), ("jagged sphere", 5), ("torus", 4)])
+def test_combed_sheets_change_across_cuts_only(name: str, degree: int) -> None:
+    """Copies of a face get different numbers, cuts are few, and round a puncture numbers shift by its index."""
+    cover = (
+        branched_cover(smoothest_rosy(shapes.icosahedron(2000), 6))
+        if name == "icosahedron"
+        else cover_of(name, degree)
+    )
+    count = len(cover.part.faces)
+    np.testing.assert_array_equal(
+        np.sort(cover.combed.reshape(degree, count), axis=0),
+        np.repeat(np.arange(degree), count).reshape(degree, count),
+    )
+    i, j = cover.mesh.edge_faces[cover.mesh.interior_edges].T
+    jump = (cover.combed[j] - cover.combed[i]) % degree
+    # the turn by one sheet commutes with gluing, so all copies of an edge jump alike
+    edge = np.sort(np.stack([i % count, j % count]), axis=0)
+    keys, inverse = np.unique(edge, axis=1, return_inverse=True)
+    forward = np.where(i % count < j % count, jump, -jump % degree)
+    first = np.zeros(keys.shape[1], dtype=np.int64)
+    first[inverse.ravel()] = forward
+    np.testing.assert_array_equal(first[inverse.ravel()], forward)
+    # a matching counts from arbitrary frames and jumps nearly everywhere; cuts are curves on the surface
+    assert np.mean(jump != 0) < (0.15 if name == "icosahedron" else 0.5)
+    if name == "icosahedron":
+        # a cut leaves every puncture
+        below = cover.part.mesh
+        torn = np.zeros(below.n_vertices, dtype=bool)
+        cuts = keys[:, first != 0]
+        for a, b in cuts.T:
+            torn[np.intersect1d(below.faces[a], below.faces[b])] = True
+        assert all(torn[loop].any() for loop in below.boundary_loops)
+
+
 def test_an_odd_cover_has_no_antipodes() -> None:
     with pytest.raises(FieldError, match="5 sheets has no antipodes"):
         _ = cover_of("disk", 5).antipodes

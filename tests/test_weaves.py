@@ -18,8 +18,12 @@ def pattern() -> Weave:
     return weave_pattern(shapes.torus(faces=2500), scale=0.6)
 
 
+def ribbons_of(family: int) -> np.ndarray:
+    return np.flatnonzero(pattern().families == family)
+
+
 def test_strips_are_closed_solids() -> None:
-    made = weaves.strips(pattern(), 0)
+    made = weaves.strips(pattern(), ribbons_of(0))
     edges = np.concatenate([made.quads[:, [k, (k + 1) % 4]] for k in range(4)])
     forward = {tuple(edge) for edge in edges.tolist()}
     assert len(forward) == len(edges)  # no edge twice the same way
@@ -28,7 +32,7 @@ def test_strips_are_closed_solids() -> None:
 
 def test_strips_are_as_wide_and_thick_as_asked() -> None:
     weave = pattern()
-    made = weaves.strips(weave, 1, width=0.3, thickness=0.1)
+    made = weaves.strips(weave, ribbons_of(1), width=0.3, thickness=0.1)
     rings = made.points.reshape(-1, 4, 3)
     spacing = weave.ribbons.spacing
     np.testing.assert_allclose(np.linalg.norm(rings[:, 1] - rings[:, 0], axis=1), 0.3 * spacing, rtol=1e-9)
@@ -44,11 +48,42 @@ def test_over_is_above_under() -> None:
 
 
 def test_a_picture_has_all_three_hues() -> None:
-    picture = viz.weave_gallery([("Torus", "three families", pattern(), viz.View(elevation=40))], width=700)
+    picture = viz.weave_gallery(
+        [viz.Woven(pattern(), "Torus", "three families", viz.View(elevation=40), dots=True)], width=700
+    )
     pixels = picture.pixels.reshape(-1, 3).astype(float)
     colourful = pixels[np.ptp(pixels, axis=1) > 60]
     assert len(colourful) > 0.1 * len(pixels)
     with pytest.raises(RenderError, match="at least one"):
         viz.weave_gallery([])
     with pytest.raises(RenderError, match="positive width"):
-        weaves.strips(pattern(), 0, width=0.0)
+        weaves.strips(pattern(), ribbons_of(0), width=0.0)
+
+
+def test_crossing_ribbons_differ_in_colour_where_that_can_be() -> None:
+    # no branch point on the cylinder: families are colours, and each crosses only the others
+    tube = weave_pattern(shapes.cylinder(faces=1000), time_limit=1.0)
+    assert not len(tube.branch_points)
+    np.testing.assert_array_equal(weaves.colouring(tube), tube.families)
+    # on the sphere families are permuted twelve times over, and a ribbon passes through several
+    ball = weave_pattern(shapes.sphere(faces=1280), scale=0.8, time_limit=1.0)
+    pairs = ball.ribbons.crossings.curves
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    share = [
+        np.mean(each[pairs[:, 0]] == each[pairs[:, 1]]) for each in (ball.families, weaves.colouring(ball))
+    ]
+    assert share[1] < 0.8 * share[0]
+    assert set(weaves.colouring(ball, 5)) == set(range(5))
+
+
+def test_a_close_up_shows_what_it_is_asked_to() -> None:
+    weave = pattern()
+    view = viz.View(elevation=40)
+    nearest = weave.mesh.vertices[np.argmax(weave.mesh.vertices @ view.axes[2])]
+    scene = viz.Woven(weave, view=view, focus=(nearest, 0.15)).scene()
+    assert scene.aspect == 1.0
+    whole = viz.Woven(weave, view=view).scene().draw(300)
+    near = scene.draw(300)
+    assert near.shape == (300, 300, 3)
+    # the ground is seen round the whole torus, hardly in the close-up
+    assert (near == 255).all(axis=2).mean() < 0.5 * (whole == 255).all(axis=2).mean()

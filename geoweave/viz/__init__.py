@@ -25,6 +25,7 @@ from geoweave.viz.gallery import (
     portrait,
     streamline_gallery,
 )
+from geoweave.viz.layout import gallery
 from geoweave.viz.periodic import Periodic, add_theta, periodic_gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
@@ -50,7 +51,7 @@ from geoweave.viz.vectors import (
     projections,
     scattered,
 )
-from geoweave.viz.weaves import weave_gallery, weave_scene
+from geoweave.viz.weaves import Woven, colouring, strips, weave_gallery, weave_scene
 
 __all__ = [
     "FROM_ABOVE",
@@ -68,8 +69,10 @@ __all__ = [
     "Scene",
     "Shaded",
     "View",
+    "Woven",
     "add_theta",
     "alternation_chart",
+    "colouring",
     "convergence_chart",
     "curl_scale",
     "curvature_scale",
@@ -78,6 +81,7 @@ __all__ = [
     "drop_chart",
     "face_arrows",
     "factor_scale",
+    "gallery",
     "heat_scale",
     "mark",
     "mesh_digest",
@@ -90,6 +94,7 @@ __all__ = [
     "scattered",
     "shaded_gallery",
     "streamline_gallery",
+    "strips",
     "weave_gallery",
     "weave_scene",
 ]

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 
 from geoweave.errors import RenderError
 from geoweave.viz import style
-from geoweave.viz.picture import sheet
+from geoweave.viz.picture import Picture, sheet
 from geoweave.viz.scene import Pixels, Scene
 
 SIDE, GAP, TITLE, SUBTITLE = 34, 50, 58, 40
@@ -80,3 +81,34 @@ def grid(
                 left += cell + unit * gap
             top += height + below + unit * gap
     return figure
+
+
+def gallery(
+    scenes: Sequence[Scene],
+    words: Sequence[tuple[str, str]],
+    *,
+    columns: int | None = None,
+    width: int = style.WIDTH,
+    tallest: int = 1100,
+    alt: str = "",
+    colormaps: Sequence[Colormap] = (),
+) -> Picture:
+    """Draw scenes of any kind side by side: the stages of a pipeline (Fig. 18).
+
+    Parameters
+    ----------
+    scenes : what to draw; the order is kept
+    words : title and subtitle of each
+    columns : scenes in a row; all in one row if not given
+    width : pixels across the figure; a narrower one is the same figure, smaller
+    tallest : height that no scene exceeds, in pixels of a figure of full width
+    alt : one sentence that says what is to be seen
+    colormaps : maps and small accents for which the palette of a published picture must keep a place
+
+    Raises
+    ------
+    RenderError
+        If there is nothing to draw.
+    """
+    figure = grid(scenes, words, columns=columns, width=width, tallest=tallest, foot=0)
+    return Picture(figure, alt or ", ".join(title for title, _ in words), tuple(colormaps))

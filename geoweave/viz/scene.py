@@ -82,10 +82,11 @@ class Scene:
     """A surface and what lies on it, ready to be drawn from one view.
 
     ``draw`` frames the surface tightly: the picture's aspect is that of the projected model, and a margin on
-    every side stays white.
+    every side stays white. With a ``focus``, a place and a radius, the picture is a square round that place.
     """
 
     view: View = field(default_factory=View)
+    focus: tuple[Sequence[float], float] | None = None
     _actors: list[tuple[pv.PolyData, dict[str, Any]]] = field(default_factory=list)
     _points: list[Vectors] = field(default_factory=list)
     _placement: Similarity | None = None
@@ -275,6 +276,11 @@ class Scene:
             low, high = plane.min(axis=0), plane.max(axis=0)
             half = 0.5 * (high - low)
             centre = centre + 0.5 * (low + high) @ axes[:2]
+        if self.focus is not None:
+            place, reach = np.asarray(self.focus[0], dtype=np.float64), self.focus[1]
+            placement = self._placed()
+            # The eye stays as far away as it is from the whole; the lens closes.
+            return placement.apply(place), distance, 1.0, reach / placement.scale
         # What lies on the surface sticks out a little: the margin also covers it.
         half = half + 2.0 * MARGIN * half.max()
         return centre, distance, float(half[0] / half[1]), float(half[1])

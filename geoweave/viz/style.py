@@ -34,8 +34,8 @@ SADDLE = "#2f6690"
 FIELD_LINES, LEVEL_LINES = "#4aa3f0", "#c86bfa"
 """Streamlines of a field and level sets of theta, bright enough for dark and light ground (Fig. 15)."""
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-FAMILIES = ("#3f7d8c", "#d9a441", "#a8516a")
-"""Teal, ochre, mallow: three calm hues for the three families of a weave."""
+FAMILIES = ("#3f7d8c", "#d9a441", "#a8516a", "#5b6a99", "#8aa05a")
+"""Teal, ochre, mallow: three calm hues for the three families of a weave; slate and sage for two more."""
 
 RC: Any = {
     "figure.dpi": DPI,

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geoweave.arrays import Scalars, Vectors
+from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.errors import RenderError
 from geoweave.mesh import TriMesh
 from geoweave.viz import style
 from geoweave.viz.gallery import VIEWS
-from geoweave.viz.layout import caption, place
-from geoweave.viz.picture import Picture, sheet
+from geoweave.viz.layout import gallery
+from geoweave.viz.picture import Picture
 from geoweave.viz.scene import Scene, View
 from geoweave.weave import Weave
 
@@ -34,15 +35,84 @@ class Strips(NamedTuple):
     """(Q, 4)"""
 
 
-def strips(weave: Weave, family: int, width: float = WIDTH, thickness: float = THICKNESS) -> Strips:
-    """Build the ribbons of one family as solid strips, lifted by half a thickness over and under each other.
+@dataclass(frozen=True, eq=False)
+class Woven:
+    """One weave in a gallery.
+
+    Attributes
+    ----------
+    weave : the weave
+    title, subtitle : lines under the picture
+    view : where from, or the name of a model in `VIEWS`
+    width, thickness : of the ribbons, in units of the spacing
+    hues : number of colours; by default three, or as many as there are families
+    focus : a place on the surface and the radius round it that is to be seen; all of it if None
+    dots : whether to mark the branch points
+    """
+
+    weave: Weave
+    title: str = ""
+    subtitle: str = ""
+    view: View | str = field(default_factory=View)
+    width: float = WIDTH
+    thickness: float = THICKNESS
+    hues: int | None = None
+    focus: tuple[Sequence[float], float] | None = None
+    dots: bool = False
+
+    def scene(self) -> Scene:
+        """Build the scene."""
+        scene = weave_scene(self.weave, self.view, width=self.width, thickness=self.thickness, hues=self.hues)
+        scene.focus = self.focus
+        if self.dots:
+            mesh, points = self.weave.mesh, self.weave.branch_points
+            scene.add_dots(mesh.vertices[points], 0.022 * mesh.bounding_radius, [style.INK] * len(points))
+        return scene
+
+
+def colouring(weave: Weave, count: int | None = None) -> Indices:
+    """Choose a colour for each ribbon such that ribbons which cross differ wherever that can be.
+
+    A ribbon that passes branch cuts belongs to one family here and to another there, so families alone give
+    a third of the crossings one colour. Starting from them, each ribbon in turn takes the colour that fewest
+    of its crossings have, until none wants to change.
+
+    Parameters
+    ----------
+    weave : the weave
+    count : number of colours; by default three, or as many as there are families
+
+    Returns
+    -------
+    (n,) colour of each ribbon, from 0
+    """
+    number = count or max(3, int(weave.families.max()) + 1)
+    pairs = weave.ribbons.crossings.curves
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    met = np.zeros((len(weave.families),) * 2)
+    np.add.at(met, (pairs[:, 0], pairs[:, 1]), 1.0)
+    met += met.T
+    chosen = weave.families % number
+    while True:
+        before = chosen.copy()
+        for ribbon in np.argsort(-met.sum(axis=1), kind="stable"):
+            same = np.bincount(chosen, met[ribbon], number)
+            if same.min() < same[chosen[ribbon]]:
+                chosen[ribbon] = same.argmin()
+        # Every change lowers the number of crossings in one colour: this ends.
+        if (chosen == before).all():
+            return np.asarray(chosen, dtype=np.int64)
+
+
+def strips(weave: Weave, which: Indices, width: float = WIDTH, thickness: float = THICKNESS) -> Strips:
+    """Build some ribbons as solid strips, lifted by half a thickness over and under each other.
 
     Between crossings the height above the surface goes from one to the next in half a wave of a cosine.
 
     Parameters
     ----------
     weave : the weave
-    family : which family
+    which : numbers of the ribbons
     width, thickness : in units of the spacing
 
     Raises
@@ -56,7 +126,7 @@ def strips(weave: Weave, family: int, width: float = WIDTH, thickness: float = T
     curves, met = ribbons.curves, ribbons.crossings
     smooth = weave.mesh.vertex_normals
     points, quads, count = [], [], 0
-    for c in np.flatnonzero(weave.families == family):
+    for c in which:
         own = np.arange(curves.offsets[c], curves.offsets[c + 1])
         closed, length = bool(curves.closed[c]), float(curves.lengths[c])
         at, place = curves.arclength[own], curves.points[own]
@@ -96,55 +166,57 @@ def strips(weave: Weave, family: int, width: float = WIDTH, thickness: float = T
 
 
 def weave_scene(
-    weave: Weave, view: View | str, *, width: float = WIDTH, thickness: float = THICKNESS
+    weave: Weave,
+    view: View | str,
+    *,
+    width: float = WIDTH,
+    thickness: float = THICKNESS,
+    hues: int | None = None,
 ) -> Scene:
-    """Build the scene of a weave on its surface, one hue for each family."""
+    """Build the scene of a weave on its surface, ribbons in the colours of `colouring`."""
     scene = Scene(VIEWS[view] if isinstance(view, str) else view)
     # The surface a little below, so that what goes under is not lost in it.
     sunk = weave.mesh.vertices - 1.3 * thickness * weave.ribbons.spacing * weave.mesh.vertex_normals
     scene.add_surface(TriMesh(sunk, weave.mesh.faces), colour=style.SURFACE)
-    for family in range(int(weave.families.max()) + 1):
-        made = strips(weave, family, width, thickness)
+    chosen = colouring(weave, hues)
+    for hue in range(int(chosen.max()) + 1):
+        made = strips(weave, np.flatnonzero(chosen == hue), width, thickness)
         if len(made.quads):
-            scene.add_solid(made.points, made.quads, style.FAMILIES[family % len(style.FAMILIES)])
+            scene.add_solid(made.points, made.quads, style.FAMILIES[hue % len(style.FAMILIES)])
     return scene
 
 
 def weave_gallery(
-    weaves: Sequence[tuple[str, str, Weave, View | str]],
+    panels: Sequence[Woven],
     *,
+    columns: int | None = None,
     width: int = style.WIDTH,
     tallest: int = 1100,
-    ribbon: float = WIDTH,
-    thickness: float = THICKNESS,
     alt: str = "",
 ) -> Picture:
-    """Draw weaves side by side: (title, subtitle, weave, view) each.
+    """Draw weaves in rows of equal columns.
+
+    Parameters
+    ----------
+    panels : what to draw; the order is kept
+    columns : panels in a row; all in one row if not given
+    width : pixels across the figure; a narrower one is the same figure, smaller
+    tallest : height that no panel exceeds, in pixels of a figure of full width
+    alt : one sentence that says what is to be seen
 
     Raises
     ------
     RenderError
         If there is nothing to draw.
     """
-    if not weaves:
-        raise RenderError("a gallery of weaves needs at least one weave")
-    side, gap, words = 40, 50, 110
-    scenes = [weave_scene(w, view, width=ribbon, thickness=thickness) for _, _, w, view in weaves]
-    unit = width / style.WIDTH
-    room = width - unit * (2 * side + gap * (len(weaves) - 1))
-    height = min(round(unit * tallest), int(room / sum(scene.aspect for scene in scenes)))
-    total = round(height + unit * (2 * side + words))
-    figure = sheet(width, total)
-    with style.applied():
-        pictures = [scene.draw(height) for scene in scenes]
-        spare = (width - sum(picture.shape[1] for picture in pictures)) / (len(pictures) + 1)
-        left = spare
-        for picture, (title, subtitle, _, _) in zip(pictures, weaves, strict=True):
-            place(figure, picture, left, unit * side)
-            middle = (left + 0.5 * picture.shape[1]) / width
-            caption(figure, (title, subtitle), middle, unit * side + height, unit)
-            left += picture.shape[1] + spare
-    return Picture(figure, alt or "Weaves: " + ", ".join(each[0] for each in weaves))
+    return gallery(
+        [panel.scene() for panel in panels],
+        [(panel.title, panel.subtitle) for panel in panels],
+        columns=columns,
+        width=width,
+        tallest=tallest,
+        alt=alt or "Weaves: " + ", ".join(panel.title for panel in panels),
+    )
 
 
 def _heights(s: Scalars, at: Scalars, sides: Scalars, length: float, closed: bool) -> Scalars:
