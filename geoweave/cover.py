@@ -65,7 +65,7 @@ class Cover:
     def combed(self) -> Indices:
         """(N F',) sheet of each face, numbered so that gluings keep the number but across branch cuts.
 
-        `sheets` counts from the frame of each face, so neighbours in one direction have any two numbers there.
+        `sheets` counts from the frame of each face: vectors of neighbours that match have any two numbers.
         Here numbers are carried from face to face along a breadth-first tree of each component. Cuts are left
         that join the branch points; across one the number changes by a constant, that of the families too.
         """

@@ -39,16 +39,22 @@ class Model:
 MODELS = {
     "armadillo": Model("Armadillo", "armadillo", "armadillo"),
     "bunny": Model("Stanford bunny", "", "bunny"),
+    "bumpy-box": Model("Bumpy box", "", "bumpy-box", shapes.bumpy_box),
     "camel": Model("Camel", "", "camel"),
+    "cone": Model("Cone", "", "cone", shapes.cone),
     "cow": Model("Cow", "cow", "cow"),
+    "crown": Model("Crown (for the splash)", "", "crown", shapes.crown),
     "fertility": Model("Fertility", "", "fertility"),
     "genus-4": Model("Genus 4 (for Fertility)", "", "genus-4", lambda: shapes.genus_g(4, faces=6_000)),
+    "icosahedron": Model("Icosahedron", "", "icosahedron", lambda: shapes.icosahedron(5_120)),
     "rocker-arm": Model("Rocker Arm", "rocker arm", "rocker-arm"),
     "rocker-arm-like": Model("Rocker (stand-in)", "rocker arm", "rocker-like", shapes.rocker_arm),
+    "saddle": Model("Saddle", "", "saddle", shapes.saddle),
     "schwarz-p": Model("Schwarz-P", "Schwarz-P", "schwarz-p", shapes.schwarz_p),
     "sphere": Model("Sphere", "", "sphere", shapes.sphere),
     "spot": Model("Spot (for the cow)", "cow", "spot"),
     "torus": Model("Torus", "", "torus", shapes.torus),
+    "vessel": Model("Vessel (for the aneurysm)", "", "vessel", shapes.vessel),
 }
 
 

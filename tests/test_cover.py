@@ -110,7 +110,7 @@ def test_combed_sheets_are_components_where_nothing_branches() -> None:
 
 @pytest.mark.parametrize(("name", "degree"), [("icosahedron", 6), ("jagged sphere", 5), ("torus", 4)])
 def test_combed_sheets_change_across_cuts_only(name: str, degree: int) -> None:
-    """Copies of a face get different numbers, cuts are few, and round a puncture numbers shift by its index."""
+    """Copies of a face get different numbers, copies of an edge jump alike, and cuts reach every puncture."""
     cover = (
         branched_cover(smoothest_rosy(shapes.icosahedron(2000), 6))
         if name == "icosahedron"

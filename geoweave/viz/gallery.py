@@ -25,16 +25,22 @@ from geoweave.viz.scene import Scene, View
 VIEWS = {
     "armadillo": View(azimuth=205, elevation=8, up="y"),
     "bunny": View(azimuth=-15, elevation=12, up="y"),
+    "bumpy-box": View(azimuth=28, elevation=24, up="z"),
     "camel": View(azimuth=68, elevation=8, up="y"),
+    "cone": View(azimuth=0, elevation=38, up="z"),
     "cow": View(azimuth=50, elevation=12, up="y"),
+    "crown": View(azimuth=20, elevation=30, up="z"),
     "fertility": View(azimuth=0, elevation=10, up="y"),
     "genus-4": View(azimuth=20, elevation=35, up="z"),
+    "icosahedron": View(azimuth=14, elevation=16, up="z"),
     "rocker-arm": View(azimuth=225, elevation=38, up="x"),
     "rocker-like": View(azimuth=25, elevation=28, up="y"),
+    "saddle": View(azimuth=12, elevation=48, up="z"),
     "schwarz-p": View(azimuth=30, elevation=22, up="z"),
     "sphere": View(azimuth=20, elevation=25, up="z"),
     "spot": View(azimuth=128, elevation=12, up="y"),
     "torus": View(azimuth=-38, elevation=-34, up="z"),
+    "vessel": View(azimuth=60, elevation=12, up="z"),
 }
 """How each named model is looked at, standing upright."""
 

@@ -22,7 +22,7 @@ from geoweave.weave import Weave
 WIDTH, THICKNESS = 0.34, 0.05
 """Of a ribbon, in units of the spacing of its family."""
 
-STEP = 0.12
+STEP = 0.06
 """Distance between the cross sections of a strip, in spacings."""
 
 
@@ -145,7 +145,7 @@ def strips(weave: Weave, which: Indices, width: float = WIDTH, thickness: float 
         across = _unit(np.cross(up, ahead - behind))
         here = met.curves == c
         sides = np.where(weave.interlacing.over[:, None] == np.arange(2), 1.0, -1.0)[here]
-        height = _heights(s, met.arclength[here], sides, length, closed)
+        height = _heights(s, met.arclength[here], sides, length, closed, 0.6 * width * spacing)
         middle = line + 0.55 * thickness * spacing * height[:, None] * up
         half, thick = 0.5 * width * spacing * across, 0.5 * thickness * spacing * up
         ring = np.stack(
@@ -219,8 +219,13 @@ def weave_gallery(
     )
 
 
-def _heights(s: Scalars, at: Scalars, sides: Scalars, length: float, closed: bool) -> Scalars:
-    """Height along a ribbon in half thicknesses: +1 over, -1 under, half cosines between."""
+def _heights(
+    s: Scalars, at: Scalars, sides: Scalars, length: float, closed: bool, level: float = 0.0
+) -> Scalars:
+    """Height along a ribbon in half thicknesses: +1 over, -1 under, half cosines between.
+
+    It stays as it is up to ``level`` to either side of a crossing, for at most three tenths of the way to the next.
+    """
     if not len(at):
         return np.zeros(len(s))
     order = np.argsort(at)
@@ -228,15 +233,13 @@ def _heights(s: Scalars, at: Scalars, sides: Scalars, length: float, closed: boo
     if closed:
         at = np.concatenate([[at[-1] - length], at, [at[0] + length]])
         sides = np.concatenate([[sides[-1]], sides, [sides[0]]])
-    after = (
-        np.clip(np.searchsorted(at, s, side="right"), 1, len(at) - 1)
-        if len(at) > 1
-        else np.zeros(len(s), int)
-    )
     if len(at) == 1:
         return np.full(len(s), sides[0])
+    after = np.clip(np.searchsorted(at, s, side="right"), 1, len(at) - 1)
     before = after - 1
-    share = np.clip((s - at[before]) / np.maximum(at[after] - at[before], 1e-12), 0.0, 1.0)
+    gap = np.maximum(at[after] - at[before], 1e-12)
+    flat = np.minimum(level / gap, 0.3)
+    share = np.clip(((s - at[before]) / gap - flat) / (1.0 - 2.0 * flat), 0.0, 1.0)
     blend = 0.5 - 0.5 * np.cos(np.pi * share)
     return np.asarray((1 - blend) * sides[before] + blend * sides[after])
 
