@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks import scans
+
 SMALLEST = 5
 
 
@@ -90,6 +92,7 @@ def main() -> None:
     )
     largest = parser.parse_args().largest
     results = {"growth": growth(largest), "kkt": against_kkt(), "foliations": foliations()}
+    results["scans"] = scans.table([*scans.FEW])
     path = Path("build/bench/results.json")
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
