@@ -55,7 +55,7 @@ LAYERS = (
     ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
     ("covers", {"cover"}),
     ("weaves", {"interlacing", "parity", "ribbons", "rodfiles", "scales", "validity"}),
-    ("the pipeline", {"weave", "woven"}),
+    ("the pipeline", {"inspection", "weave", "woven"}),
     ("models of the figures", {"models"}),
     ("the artifact", {"claims", "doctor", "execution", "notebooks", "progress", "runner"}),
     ("the command", {"__main__", "cli", "design", "terminal", "weaving"}),
