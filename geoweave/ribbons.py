@@ -1,5 +1,6 @@
-"""From level sets to ribbons: cut where they bend, drop the short, extend to a crossing (Section 5.2).
+"""From level sets to ribbons: cut where they bend, drop the short and the doubled, extend to a crossing.
 
+The post-processing of Section 5.2.
 Ribbons stay `Curves`, exact on the surface. All lengths are shares of the spacing of the ribbons, so that
 one set of numbers serves every model.
 """
@@ -9,11 +10,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import KDTree
 
+from geoweave import interlacing
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
 from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import FieldError
-from geoweave.straightest import Crossings, crossings, straightest
+from geoweave.straightest import Crossings, crossings, straightest, taken
+
+PARALLEL = np.cos(np.radians(20.0))
+"""Cosine of the angle up to which two curves run along each other."""
 
 
 @dataclass(frozen=True)
@@ -25,26 +31,33 @@ class Cutting:
     sharpest : a ribbon is cut where its geodesic curvature exceeds this, 1 / d; the sharp stretch is left out
     shortest : pieces shorter than this are dropped, d
     reach : how far an open end may be extended along a geodesic to its first crossing, d
-    tail : what is left of a ribbon beyond its last crossing, d
+    tail : what is left of a ribbon beyond its last crossing, d; two ribbons that cross again within it on
+        both of them touch
+    shallowest : an end is held by a crossing at this angle or more, degrees
+    beside : a ribbon that runs along longer ones at this distance or less, d, for more than half of its
+        length doubles them and is left out
 
     Raises
     ------
     FieldError
-        If a number is not positive, or the tail is longer than the reach.
+        If a number is not positive, the tail is longer than the reach, or the angle is 90 degrees or more.
     """
 
     sharpest: float = 1.0
     shortest: float = 3.0
     reach: float = 2.0
     tail: float = 0.25
+    shallowest: float = 30.0
+    beside: float = 0.25
 
     def __post_init__(self) -> None:
-        for name in ("sharpest", "shortest", "reach", "tail"):
-            value = getattr(self, name)
+        for name, value in vars(self).items():
             if not (np.isfinite(value) and value > 0):
                 raise FieldError(f"'{name}' of the ribbons must be a positive number, not {value}")
         if self.tail > self.reach:
             raise FieldError(f"a tail of {self.tail} is longer than the reach of {self.reach}")
+        if self.shallowest >= 90:
+            raise FieldError(f"crossings at {self.shallowest} degrees or more cannot be asked for")
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,9 +91,10 @@ class Ribbons:
 def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = None) -> Ribbons:
     """Make ribbons of level sets drawn on a surface (the post-processing of Section 5.2).
 
-    Cut where the geodesic curvature is too high, drop what is short, extend open ends along straightest
-    geodesics, also across punctures, to the first crossing, and trim them there; ribbons that became too
-    short are dropped, and ends that they held are trimmed back to a crossing that is left.
+    Cut where the geodesic curvature is too high, drop what is short or doubles another, extend open ends
+    along straightest geodesics, also across punctures, to the first crossing, and trim them there; an end
+    that would meet its first crossing at a shallow angle goes back to one that holds it. Ribbons that became
+    too short are dropped, and ends that they held are trimmed back to a crossing that is left.
 
     Parameters
     ----------
@@ -97,29 +111,74 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
     if not len(level_sets):
         raise FieldError("there is no level set to make ribbons of; ask for a larger scale")
     spacing = families * float(level_sets.mesh.face_areas.sum() / level_sets.lengths.sum())
-    pieces, origin = _cut(level_sets, numbers.sharpest / spacing, numbers.shortest * spacing)
+    tail, shortest = numbers.tail * spacing, numbers.shortest * spacing
+    pieces, origin = _cut(level_sets, numbers.sharpest / spacing, shortest)
     if not len(pieces):
-        raise FieldError(
-            f"all level sets are shorter than {numbers.shortest * spacing:.3g}; ask for a larger scale"
-        )
+        raise FieldError(f"all level sets are shorter than {shortest:.3g}; ask for a larger scale")
+    single = np.flatnonzero(~doubled(pieces, numbers.beside * spacing))
+    pieces, origin = stretches(pieces, single), origin[single]
     longer, spans = _extended(pieces, numbers.reach * spacing)
-    kept, start, end = _trimmed(longer, spans, numbers.tail * spacing)
+    kept, start, end = _trimmed(longer, spans, tail, numbers.shallowest)
     while True:
-        kept &= longer.closed | (end - start >= numbers.shortest * spacing)
+        kept &= longer.closed | (end - start >= shortest)
         if not kept.any():
             raise FieldError("no ribbon is left: none crosses another; ask for a larger scale")
         which = np.flatnonzero(kept)
         found = stretches(longer, which, start[which], end[which])
-        met = crossings(found)
-        loose = _loose(found, met, numbers.tail * spacing)
+        met = _without_touching(crossings(found), found, tail)
+        holding = taken(met, _at_least(met, numbers.shallowest))
+        loose = _loose(found, holding, tail)
         if not loose.any():
             return Ribbons(found, met, frozen(origin[which]), spacing, numbers)
         # What held these ends was itself trimmed or dropped: back to the last crossing that is left.
-        first, last = _outermost(met, len(found))
-        start[which] += np.where(loose[:, 0], np.maximum(first - numbers.tail * spacing, 0.0), 0.0)
-        back = np.maximum(found.lengths - last - numbers.tail * spacing, 0.0)
+        first, last = _outermost(holding, len(found))
+        start[which] += np.where(loose[:, 0], np.maximum(first - tail, 0.0), 0.0)
+        back = np.maximum(found.lengths - last - tail, 0.0)
         end[which] -= np.where(loose[:, 1], back, 0.0)
         kept[which] = np.isfinite(first)
+
+
+def doubled(curves: Curves, near: float) -> Flags:
+    """(n,) curves that run along longer ones which stay: nearly parallel and near for over half their length.
+
+    Two families may turn into one on a wall of the field, and their level sets come to lie on each other.
+
+    Parameters
+    ----------
+    curves : the curves
+    near : distance in space, between points with nearly one normal; a length
+    """
+    step = 0.5 * near
+    sizes = np.maximum(np.ceil(curves.lengths / step).astype(np.int64), 1)
+    owner = np.repeat(np.arange(len(curves)), sizes)
+    number = np.arange(len(owner)) - (np.cumsum(sizes) - sizes)[owner]
+    along = (number + 0.5) / sizes[owner] * curves.lengths[owner]
+    # One axis for all curves: each begins where the one before it ends.
+    begin = np.cumsum(curves.lengths) - curves.lengths
+    segment = (
+        np.searchsorted(begin[curves.curve_of_point] + curves.arclength, begin[owner] + along, "right") - 1
+    )
+    length = np.maximum(curves.segment_lengths[segment], 1e-300)[:, None]
+    heading = curves.segments[segment] / length
+    points = curves.points[segment] + (along - curves.arclength[segment])[:, None] * heading
+    pairs = KDTree(points).query_pairs(near, output_type="ndarray")
+    one, other = pairs.T
+    normals = curves.normals[segment]
+    parallel = np.abs((heading[one] * heading[other]).sum(axis=1)) > PARALLEL
+    facing = (normals[one] * normals[other]).sum(axis=1) > 0.5
+    pairs = pairs[parallel & facing & (owner[one] != owner[other])]
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    both = both[np.argsort(owner[both[:, 0]], kind="stable")]
+    bounds = np.searchsorted(owner[both[:, 0]], np.arange(len(curves) + 1))
+    out = np.zeros(len(curves), dtype=bool)
+    done = np.zeros(len(curves), dtype=bool)
+    for c in np.argsort(-curves.lengths, kind="stable"):
+        mine = both[bounds[c] : bounds[c + 1]]
+        against = owner[mine[:, 1]]
+        beside = np.unique(mine[done[against] & ~out[against], 0])
+        out[c] = 2 * len(beside) > sizes[c]
+        done[c] = True
+    return out
 
 
 def stretches(
@@ -262,34 +321,58 @@ def _extended(curves: Curves, reach: float) -> tuple[Curves, Scalars]:
     return longer, spans
 
 
-def _trimmed(longer: Curves, spans: Scalars, tail: float) -> tuple[Flags, Scalars, Scalars]:
+def _trimmed(
+    longer: Curves, spans: Scalars, tail: float, shallowest: float
+) -> tuple[Flags, Scalars, Scalars]:
     """Which curves cross any, and where each is to start and end.
 
-    An end goes a tail beyond the first crossing outside the curve's own part or, where its extension meets
-    none, beyond the last one inside. A crossing counts if the other curve is there with its own part.
+    An end goes a tail beyond the first crossing outside the curve's own part. Where its extension meets none,
+    or one too shallow to hold it, it goes back to the last one inside that holds. A crossing counts if the
+    other curve is there with its own part.
     """
     met = crossings(longer)
     low, high = spans[met.curves, 0], spans[met.curves, 1]
     own = (met.arclength >= low - tail) & (met.arclength <= high + tail)
     owner, at, firm = met.curves.ravel(), met.arclength.ravel(), own[:, ::-1].ravel()
+    holds = np.repeat(_at_least(met, shallowest), 2)
     order = np.lexsort((at, owner))
     order = order[firm[order]]
-    owner, at = owner[order], at[order]
+    owner, at, holds = owner[order], at[order], holds[order]
     bounds = np.searchsorted(owner, np.arange(len(longer) + 1))
     at_rim = _on_boundary(longer)
     start, end = np.zeros(len(longer)), longer.lengths.copy()
-    crossed = np.diff(bounds) > 0
-    for c in np.flatnonzero(~longer.closed & crossed):
-        there = at[bounds[c] : bounds[c + 1]]
-        before, after = there[there <= spans[c, 0]], there[there >= spans[c, 1]]
-        first = before[-1] if len(before) else there[0]
-        last = after[0] if len(after) else there[-1]
+    crossed = longer.closed & (np.diff(bounds) > 0)
+    for c in np.flatnonzero(~longer.closed):
+        there, good = (each[bounds[c] : bounds[c + 1]] for each in (at, holds))
+        inside = np.flatnonzero(good & (there > spans[c, 0]) & (there < spans[c, 1]))
+        before, after = np.flatnonzero(there <= spans[c, 0]), np.flatnonzero(there >= spans[c, 1])
         # An end that came to the boundary before it met anything stays there.
+        first = before[-1:][good[before[-1:]]] if len(before) else inside[:1]
+        last = after[:1][good[after[:1]]] if len(after) else inside[-1:]
+        first, last = (first if len(first) else inside[:1]), (last if len(last) else inside[-1:])
         if len(before) or not at_rim[c, 0]:
-            start[c] = max(first - tail, 0.0)
+            if not len(first):
+                continue
+            start[c] = max(there[first[0]] - tail, 0.0)
         if len(after) or not at_rim[c, 1]:
-            end[c] = min(last + tail, longer.lengths[c])
+            if not len(last):
+                continue
+            end[c] = min(there[last[0]] + tail, longer.lengths[c])
+        crossed[c] = len(there) > 0
     return crossed, start, end
+
+
+def _at_least(met: Crossings, shallowest: float) -> Flags:
+    """(C,) whether the two lines of each crossing are so many degrees apart or more."""
+    return np.asarray(np.abs(np.sin(met.angle)) >= np.sin(np.radians(shallowest)))
+
+
+def _without_touching(met: Crossings, curves: Curves, near: float) -> Crossings:
+    """One crossing for several of the same two curves near each other on both; none where these are even."""
+    plain = interlacing.Crossings(met.curves, met.arclength, curves.closed)
+    joined = interlacing.merged(plain, near, curves.lengths)
+    odd = np.bincount(joined.group, minlength=len(joined.kept)) % 2 == 1
+    return taken(met, joined.kept[odd])
 
 
 def _outermost(met: Crossings, count: int) -> tuple[Scalars, Scalars]:

@@ -6,12 +6,12 @@ faces are unfolded, and through a vertex with the same angle to its left and rig
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geoweave.arrays import Complexes, Indices, Scalars, Vectors, frozen
+from geoweave.arrays import Complexes, Flags, Indices, Scalars, Vectors, frozen
 from geoweave.compiled import compiled
 from geoweave.curves import Curves
 from geoweave.errors import FieldError
@@ -245,6 +245,11 @@ class Crossings:
 
     def __len__(self) -> int:
         return len(self.faces)
+
+
+def taken(met: Crossings, which: Indices | Flags) -> Crossings:
+    """Some of the crossings: those that are flagged or numbered."""
+    return Crossings(*(getattr(met, each.name)[which] for each in fields(met)))
 
 
 def crossings(curves: Curves) -> Crossings:

@@ -15,7 +15,7 @@ from geoweave.errors import FieldError
 from geoweave.integration import foliate
 from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
-from geoweave.ribbons import Cutting, Ribbons, ribbons, stretches
+from geoweave.ribbons import Cutting, Ribbons, doubled, ribbons, stretches
 from geoweave.rosy import smoothest_rosy
 from geoweave.straightest import straightest
 
@@ -151,7 +151,76 @@ def test_what_bends_too_much_is_cut_out() -> None:
     assert len(found.crossings) == 2
 
 
+def lines(*ends: tuple[float, float, float, float], mesh: TriMesh | None = None) -> Curves:
+    """Straight lines on the square [-1, 1]^2, from one end to the other."""
+    mesh = shapes.square(faces=1000) if mesh is None else mesh
+    begin, stop = np.array(ends)[:, :2], np.array(ends)[:, 2:]
+    planar = mesh.vertices[mesh.faces][..., :2]
+    sides = np.roll(planar, -1, axis=1) - planar
+    inward = np.stack([-sides[..., 1], sides[..., 0]], axis=-1)
+    inside = [int(np.argmax(((b - planar) * inward).sum(axis=-1).min(axis=1))) for b in begin]
+    flat = np.zeros((len(ends), 1))
+    return straightest(
+        mesh,
+        inside,
+        np.hstack([stop - begin, flat]),
+        np.linalg.norm(stop - begin, axis=1),
+        points=np.hstack([begin, flat + mesh.vertices[0, 2]]),
+    )
+
+
+def test_of_lines_on_each_other_the_longest_stays() -> None:
+    """Three along one axis and one across: of the three the shortest runs apart for most of its length."""
+    found = lines(
+        (-0.4, 0.0, 0.4, 0.0),
+        (-0.1, 0.01, 0.3, 0.01),  # along the first
+        (-0.1, 0.015, 0.3, 0.16),  # leaves it at once, by 20 degrees
+        (0.02, -0.3, 0.02, 0.3),
+    )
+    assert doubled(found, 0.02).tolist() == [False, True, False, False]
+    assert not doubled(found, 0.009).any()
+
+
+def test_a_shallow_crossing_holds_no_end() -> None:
+    """The first line would be held at its left end by the last one, which it meets at 11 degrees."""
+    across = [(x, -0.4, x, 0.4) for x in (-0.1, 0.1, 0.3)]
+    across += [(-0.2, y, 0.4, y) for y in (-0.3, 0.3)]
+    flat = (-0.4, -0.05, 0.1, 0.05)
+    both = lines((-0.25, 0.0, 0.35, 0.0), *across, flat)
+    spacing = float(both.mesh.face_areas.sum() / both.lengths.sum())
+    numbers = Cutting(shortest=0.2 / spacing, reach=0.02 / spacing, tail=0.01 / spacing, beside=0.001)
+    found = ribbons(both, families=1, cutting=numbers)
+    ends = found.curves[int(np.flatnonzero(found.origin == 0)[0])].points[[0, -1], 0]
+    np.testing.assert_allclose(ends, [-0.11, 0.31], atol=1e-9)
+    loosely = Cutting(**{**vars(numbers), "shallowest": 5.0})
+    found = ribbons(both, families=1, cutting=loosely)
+    ends = found.curves[int(np.flatnonzero(found.origin == 0)[0])].points[[0, -1], 0]
+    np.testing.assert_allclose(ends, [-0.16, 0.31], atol=1e-9)
+
+
+@pytest.mark.parametrize(("lens", "met"), [(0.4, 10), (0.04, 8)])
+def test_lines_that_touch_do_not_cross(lens: float, met: int) -> None:
+    """A line and an arch that meets it twice, so far to the left and right: if near, neither lies above."""
+    mesh = shapes.square(faces=8000)
+    level = [(-0.8, y, 0.8, y) for y in (-0.4, 0.0, 0.4)]
+    frame = lines(*level, (-0.7, -0.5, -0.7, 0.5), (0.7, -0.5, 0.7, 0.5), mesh=mesh)
+    x, y, _ = mesh.vertices.T
+    height = y - 0.3 * (lens**2 - x**2)
+    tail, head = mesh.edges.T
+    arch = isolines(gw.CircleFunction(mesh, height, height[head] - height[tail]), [0.0])
+    both = joined(frame, arch)
+    spacing = float(mesh.face_areas.sum() / both.lengths.sum())
+    numbers = Cutting(
+        sharpest=1e3, shortest=0.5 / spacing, reach=0.1 / spacing, tail=0.1 / spacing, beside=1e-4 / spacing
+    )
+    found = ribbons(both, families=1, cutting=numbers)
+    assert len(found) == 6
+    assert len(found.crossings) == met
+
+
 def test_what_cannot_be_is_refused() -> None:
+    with pytest.raises(FieldError, match="degrees"):
+        Cutting(shallowest=90.0)
     with pytest.raises(FieldError, match="'reach'"):
         Cutting(reach=0.0)
     with pytest.raises(FieldError, match="tail"):
