@@ -1,0 +1,359 @@
+"""Equilibria of elastic rods: ribbons that slide on a surface, and weaves left to themselves (Appendix E).
+
+Both are found by Gauss-Newton steps with a line search. A step moves vertices and turns sections; the line
+search evaluates it on rods whose directors have been parallel-transported onto the new segments, as the paper
+asks, because the energies of `geoweave.rod_energies` are only ever taken on such rods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from geoweave import cholesky
+from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
+from geoweave.errors import FieldError
+from geoweave.linalg import nested_dissection, one_blas_thread
+from geoweave.rod_energies import Term
+from geoweave.rodfiles import RodError
+from geoweave.rods import Rods, cross
+
+__all__ = ["Equilibrium", "Step", "Stepping", "minimized"]
+
+
+@dataclass(frozen=True)
+class Stepping:
+    """The numbers of the Gauss-Newton iteration.
+
+    Attributes
+    ----------
+    tolerance : the iteration has converged where the forces balance to this share of their size
+    most_steps : no more steps than this
+    turn : no segment turns by more than this in one step, radians
+    sufficient : share of the predicted decrease of the energy that a step must achieve (Armijo)
+    shortest : share of a step below which the line search gives up
+    """
+
+    tolerance: float = 1e-6
+    most_steps: int = 500
+    turn: float = 0.5
+    sufficient: float = 1e-4
+    shortest: float = 1e-6
+
+    def __post_init__(self) -> None:
+        for name in ("tolerance", "most_steps", "turn", "sufficient", "shortest"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise FieldError(f"'{name}' of the equilibrium must be a positive number, not {value}")
+
+
+@dataclass(frozen=True)
+class Step:
+    """One state of the iteration, as it is handed to a callback.
+
+    Attributes
+    ----------
+    number : steps taken so far
+    energies : energy by the name of its term, force x length
+    gradient : size of the unbalanced forces as a share of the forces that balance
+    share : share of the full step that the line search took to get here; 0 at the start
+    """
+
+    number: int
+    energies: dict[str, float]
+    gradient: float
+    share: float
+
+    @property
+    def energy(self) -> float:
+        """Sum of all terms."""
+        return sum(self.energies.values())
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """Rods at rest, or as near to it as the iteration came.
+
+    Attributes
+    ----------
+    rods : where they ended
+    converged : whether the forces balance to the tolerance
+    steps : every state from the start to the end
+    ending : why the iteration ended, in words
+    """
+
+    rods: Rods
+    converged: bool
+    steps: tuple[Step, ...]
+    ending: str
+
+    @property
+    def energies(self) -> dict[str, float]:
+        """Energy by the name of its term at the end, force x length."""
+        return self.steps[-1].energies
+
+    @property
+    def gradient(self) -> float:
+        """Unbalanced forces at the end as a share of the forces that balance."""
+        return self.steps[-1].gradient
+
+
+@dataclass(frozen=True, eq=False)
+class _Pattern:
+    """Where the entries of the Gauss-Newton matrix go; the same for all steps."""
+
+    size: int
+    free: Indices
+    symbolic: cholesky.Symbolic
+    groups: tuple[tuple[Indices, tuple[int, ...]], ...]
+    slots: Indices
+    kept: Flags
+    indices: Indices
+    starts: Indices
+
+    def matrix(self, jacobians: Sequence[np.ndarray], shift: Scalars) -> sparse.csc_array:
+        """Sum ``J' J`` over all terms and add a diagonal, on the free unknowns in elimination order."""
+        blocks = []
+        for _, members in self.groups:
+            local = np.concatenate([jacobians[m] for m in members], axis=1)
+            blocks.append((local.transpose(0, 2, 1) @ local).ravel())
+        blocks.append(shift)
+        entries = np.concatenate(blocks)[self.kept]
+        data = np.bincount(self.slots, weights=entries, minlength=len(self.indices))
+        return sparse.csc_array((data, self.indices, self.starts), shape=(len(self.free),) * 2)
+
+
+def _pattern(rods: Rods, terms: Sequence[Term], fixed: Flags) -> _Pattern:
+    """Analyse the pattern of the terms' matrix once: nested dissection, and a slot for each local entry."""
+    groups: list[tuple[Indices, list[int]]] = []
+    for number, term in enumerate(terms):
+        same = [members for unknowns, members in groups if unknowns is term.unknowns]
+        if same:
+            same[0].append(number)
+        else:
+            groups.append((term.unknowns, [number]))
+    size = rods.size
+    rows = [np.repeat(u, u.shape[1], axis=1).ravel() for u, _ in groups] + [np.arange(size)]
+    columns = [np.tile(u, u.shape[1]).ravel() for u, _ in groups] + [np.arange(size)]
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    free = np.flatnonzero(~fixed)
+    place = np.full(size, -1, dtype=np.int64)
+    place[free] = np.arange(len(free))
+    kept = (place[row] >= 0) & (place[column] >= 0)
+    row, column = place[row[kept]], place[column[kept]]
+    n = len(free)
+    graph = sparse.csr_array((np.ones(len(row), dtype=np.int8), (row, column)), shape=(n, n))
+    order = nested_dissection(graph).order
+    if order is None:  # no METIS
+        order = np.asarray(csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.int64)
+    position = np.empty(n, dtype=np.int64)
+    position[order] = np.arange(n)
+    key, slots = np.unique(position[column] * n + position[row], return_inverse=True)
+    starts = np.searchsorted(key, np.arange(n + 1) * n)
+    indices, starts = (key % n).astype(np.int32), starts.astype(np.int32)
+    pattern = sparse.csc_array((np.ones(len(key)), indices, starts), shape=(n, n))
+    return _Pattern(
+        size,
+        free[order],
+        cholesky.analysed(pattern, np.arange(n)),
+        tuple((unknowns, tuple(members)) for unknowns, members in groups),
+        slots.ravel(),
+        kept,
+        indices,
+        starts,
+    )
+
+
+NO_FORCE = 1e-15
+"""Forces below this share of ``Y w h``, which would double a ribbon's length, are rounding."""
+
+DAMPING = (1e-12, 1e-9, 1e2)
+"""Least, first and largest damping as a share of the stretching stiffness of a segment."""
+
+
+def minimized(
+    rods: Rods,
+    terms: Sequence[Term],
+    *,
+    stepping: Stepping | None = None,
+    fixed: Flags | None = None,
+    load: Vectors | None = None,
+    anchored: bool = False,
+    callback: Callable[[Step], None] | None = None,
+) -> Equilibrium:
+    """Minimise a sum of energies over vertices and angles by Gauss-Newton steps with a line search.
+
+    Every step lowers the energy, so the iteration ends; it cannot accept a number that is not finite. Rigid
+    motions are taken out of every step: the centre of mass of each connected part and, to first order, its
+    orientation stay (E.2). Parts that are held anywhere keep theirs by that.
+
+    Parameters
+    ----------
+    rods : the start
+    terms : energies
+    stepping : the numbers of the iteration
+    fixed : (3 V + S,) unknowns that do not change
+    load : (V, 3) constant force on each vertex; its potential is ``-load . p``
+    anchored : whether the energies themselves hold the rods in space, so that no motion is rigid
+    callback : called with every `Step`
+    """
+    numbers = stepping or Stepping()
+    held = np.zeros(rods.size, dtype=bool) if fixed is None else np.asarray(fixed, dtype=bool)
+    problem = _Problem(rods, tuple(terms), held, load, anchored)
+    current = rods
+    energies = problem.energies(current)
+    history: list[Step] = []
+    damping, share, ending = DAMPING[1], 0.0, ""
+    with one_blas_thread():
+        while not ending:
+            gradient, jacobians, relative = problem.forces(current)
+            history.append(Step(len(history), energies, relative, share))
+            if callback is not None:
+                callback(history[-1])
+            if relative <= numbers.tolerance:
+                ending = "the forces balance"
+                break
+            if len(history) > numbers.most_steps:
+                ending = f"after {numbers.most_steps} steps the forces do not balance yet"
+                break
+            while True:
+                step = problem.step(current, gradient, jacobians, damping, numbers.turn)
+                found = None if step is None else problem.search(current, history[-1], gradient, step, numbers)
+                if found is not None:
+                    current, energies, share = found
+                    damping = max(damping * (0.2 if share > 0.5 else 1.0), DAMPING[0])
+                    break
+                damping *= 30.0
+                if damping > DAMPING[2]:
+                    ending = "no step lowers the energy any further"
+                    break
+    return Equilibrium(current, relative <= numbers.tolerance, tuple(history), ending)
+
+
+class _Problem:
+    """Energies, forces and steps of one minimisation."""
+
+    def __init__(
+        self, rods: Rods, terms: tuple[Term, ...], fixed: Flags, load: Vectors | None, anchored: bool
+    ) -> None:
+        self.terms, self.load, self.start = terms, load, rods.points
+        self.pattern = _pattern(rods, terms, fixed)
+        self.fixed = fixed
+        size = float(rods.rest.mean())
+        angle = np.arange(rods.size) >= 3 * rods.layout.vertices
+        self.unit = np.where(angle, size, 1.0)
+        strength = rods.material.stretching(rods.widths)
+        self.stiff = float(strength.mean()) / size
+        self.least = NO_FORCE * float(np.linalg.norm(strength))
+        self.parts = [] if anchored else _parts(rods, fixed)
+
+    def energies(self, rods: Rods) -> dict[str, float]:
+        found = {term.name: term.energy(rods) for term in self.terms}
+        if self.load is not None:
+            found["load"] = -float((self.load * (rods.points - self.start)).sum())
+        return found
+
+    def forces(self, rods: Rods) -> tuple[Scalars, list[np.ndarray], float]:
+        """Gradient of the energy, local Jacobians, and the gradient as a share of its parts."""
+        total, size = np.zeros(rods.size), 0.0
+        jacobians = []
+        for term in self.terms:
+            derivative = term.derivative(rods)
+            local = np.einsum("nr,nrk->nk", term.residual(rods), derivative)
+            own = np.bincount(term.unknowns.ravel(), local.ravel(), minlength=rods.size)
+            size += float(np.linalg.norm(own / self.unit))
+            total += own
+            jacobians.append(derivative)
+        if self.load is not None:
+            total[: self.load.size] -= self.load.ravel()
+            size += float(np.linalg.norm(self.load))
+        total[self.fixed] = 0.0
+        unbalanced = float(np.linalg.norm(total / self.unit))
+        return total, jacobians, unbalanced / max(size, self.least / 1e-6)
+
+    def step(
+        self, rods: Rods, gradient: Scalars, jacobians: list[np.ndarray], damping: float, turn: float
+    ) -> Scalars | None:
+        """Return the Gauss-Newton step without its rigid motion, shortened where a segment turns too far."""
+        pattern = self.pattern
+        matrix = pattern.matrix(jacobians, damping * self.stiff * self.unit**2)
+        try:
+            factor = cholesky.factor(matrix, pattern.symbolic)
+        except cholesky.NotDefiniteError:
+            return None
+        right = -gradient[pattern.free]
+        solution = cholesky.solve(pattern.symbolic, factor, right)
+        solution += cholesky.solve(pattern.symbolic, factor, right - matrix @ solution)
+        step = np.zeros(rods.size)
+        step[pattern.free] = solution
+        if not np.isfinite(step).all():
+            return None
+        for part in self.parts:
+            _remove_rigid_motion(rods, part, step)
+        moved = step[: 3 * rods.layout.vertices].reshape(-1, 3)
+        start, end = rods.layout.ends.T
+        change = np.linalg.norm(moved[end] - moved[start], axis=1) / rods.lengths
+        largest = max(float(change.max()), float(np.abs(step[3 * rods.layout.vertices :]).max()))
+        return step * min(1.0, turn / largest) if largest > 0 else step
+
+    def search(
+        self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, numbers: Stepping
+    ) -> tuple[Rods, dict[str, float], float] | None:
+        """Halve the step until the energy falls enough."""
+        slope = float(gradient @ step)
+        if not slope < 0:
+            return None
+        share = 1.0
+        rounding = 4.0 * np.finfo(np.float64).eps * sum(abs(e) for e in now.energies.values())
+        while share >= numbers.shortest:
+            try:
+                trial = rods.stepped(share * step)
+            except RodError:
+                share *= 0.5
+                continue
+            energies = self.energies(trial)
+            energy = sum(energies.values())
+            if energy <= now.energy + numbers.sufficient * share * slope:
+                return trial, energies, share
+            if -share * slope < 1e3 * rounding and energy <= now.energy + rounding:
+                # The energy can no longer tell the two apart; the forces can.
+                if self.forces(trial)[2] < now.gradient:
+                    return trial, energies, share
+            share *= 0.5
+        return None
+
+
+def _parts(rods: Rods, fixed: Flags) -> list[tuple[Indices, Indices]]:
+    """Vertices and segments of each part of the weave that nothing holds."""
+    layout, pair = rods.layout, rods.layout.rod_of_segment[rods.contacts.segments]
+    links = sparse.csr_array((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(len(rods),) * 2)
+    count, label = csgraph.connected_components(links, directed=False)
+    of_vertex, of_segment = label[layout.rod_of_vertex], label[layout.rod_of_segment]
+    still = fixed[: 3 * layout.vertices].reshape(-1, 3).any(axis=1)
+    held = set(of_vertex[still].tolist())
+    return [
+        (np.flatnonzero(of_vertex == k), np.flatnonzero(of_segment == k))
+        for k in range(count)
+        if k not in held
+    ]
+
+
+def _remove_rigid_motion(rods: Rods, part: tuple[Indices, Indices], step: Scalars) -> None:
+    """Take out of a step what moves the centre of mass of a part or turns it as a whole."""
+    vertices, segments = part
+    mass = np.zeros(rods.layout.vertices)
+    for end in rods.layout.ends.T:
+        np.add.at(mass, end, 0.5 * rods.rest)
+    mass = mass[vertices] / mass[vertices].sum()
+    moved = step[: 3 * rods.layout.vertices].reshape(-1, 3)
+    arm = rods.points[vertices] - mass @ rods.points[vertices]
+    moved[vertices] -= mass @ moved[vertices]
+    inertia = (mass * (arm**2).sum(axis=1)).sum() * np.eye(3) - (arm * mass[:, None]).T @ arm
+    spin = np.linalg.pinv(inertia, rcond=1e-12) @ (mass @ cross(arm, moved[vertices]))
+    moved[vertices] -= cross(spin, arm)
+    angles = step[3 * rods.layout.vertices :]
+    angles[segments] -= rods.tangents[segments] @ spin

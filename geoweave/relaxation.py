@@ -1,0 +1,250 @@
+"""Fine-tuning a weave by sliding, and relaxing it to the shape it will take (Appendices E.1 and E.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from geoweave.arrays import Flags, Indices, Scalars, Vectors
+from geoweave.closest import closest_points, triangle_tree
+from geoweave.equilibrium import Equilibrium, Step, Stepping, minimized
+from geoweave.mesh import TriMesh
+from geoweave.rod_energies import (
+    Term,
+    contact_orientation,
+    contact_position,
+    elastic_terms,
+    sliding,
+)
+from geoweave.rodfiles import RodError
+from geoweave.rods import Contacts, Rods
+
+__all__ = ["Springs", "relax", "relaxing_terms", "slide"]
+
+
+@dataclass(frozen=True)
+class Springs:
+    """The stiffnesses of Appendix E; the defaults are the paper's, for models of bounding radius 1.
+
+    Attributes
+    ----------
+    normal : kappa_n of sliding, against leaving the surface, force / length
+    tangential : kappa_t of sliding, against sliding far in one round, force / length
+    position : gamma_pos of a contact, force / length
+    orientation : gamma_orient of a contact, force x length / radian^2
+
+    Raises
+    ------
+    RodError
+        If a stiffness is not positive.
+    """
+
+    normal: float = 1e3
+    tangential: float = 1.0
+    position: float = 1e3
+    orientation: float = 1e6
+
+    def __post_init__(self) -> None:
+        for name in ("normal", "tangential", "position", "orientation"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise RodError(f"the stiffness '{name}' is {value:g}; give a positive number")
+
+
+ROUNDS = 5
+"""Rounds of sliding, each of one minimisation and one projection."""
+
+STILL = 1e-3
+"""Sliding ends early when no vertex moved by more than this share of a segment in a round."""
+
+NEARBY = 3
+"""Segments on each side among which a contact looks for its new place after sliding."""
+
+
+def slide(
+    rods: Rods,
+    surface: TriMesh,
+    *,
+    springs: Springs | None = None,
+    rounds: int = ROUNDS,
+    stepping: Stepping | None = None,
+    fixed: ArrayLike | None = None,
+    callback: Callable[[Step], None] | None = None,
+) -> Equilibrium:
+    """Let ribbons slide on a surface to release elastic strain (E.1).
+
+    Each round minimises the elastic energy and that of springs between vertices and anchors, then projects the
+    vertices on the surface to get new anchors. Contacts do not act: ribbons slide over each other. Their new
+    places are found at the end. Sliding on and on would let open ribbons drift to where the surface is flat,
+    which is why the number of rounds is a parameter.
+
+    Parameters
+    ----------
+    rods : on or near the surface
+    surface : in the same place and size
+    springs : stiffnesses
+    rounds : no more rounds than this
+    stepping : numbers of each minimisation
+    fixed : (V,) vertices that do not move
+    callback : called with every `Step` of every round
+
+    Returns
+    -------
+    Equilibrium
+        Of the last round; its steps are those of all rounds.
+
+    Raises
+    ------
+    RodError
+        If a parameter is out of range.
+    """
+    if rounds < 1:
+        raise RodError(f"sliding takes one round or more, not {rounds}")
+    stiff = springs or Springs()
+    held = _held(rods, fixed)
+    tree = triangle_tree(surface.vertices[surface.faces])
+    elastic = elastic_terms(rods.layout)
+    current, steps = rods, []
+    anchors, faces = closest_points(tree, rods.points)
+    for _ in range(rounds):
+        normals = surface.face_normals[faces]
+        spring = sliding(rods.layout, anchors, normals, stiff.normal, stiff.tangential)
+        found = minimized(
+            current,
+            (*elastic, spring),
+            stepping=stepping,
+            fixed=held,
+            anchored=True,
+            callback=callback,
+        )
+        steps.extend(found.steps)
+        moved = np.linalg.norm(found.rods.points - current.points, axis=1).max()
+        current = found.rods
+        anchors, faces = closest_points(tree, current.points)
+        if moved <= STILL * float(current.rest.mean()):
+            break
+    placed = replace(current, contacts=replaced_contacts(current))
+    return Equilibrium(placed, found.converged, tuple(steps), found.ending)
+
+
+def replaced_contacts(rods: Rods) -> Contacts:
+    """Move each contact to where its two rods now come closest, near to where it was."""
+    layout, contacts = rods.layout, rods.contacts
+    if not len(contacts):
+        return contacts
+    shifts = np.arange(-NEARBY, NEARBY + 1)
+    one = _neighbours(rods, contacts.segments[:, 0], shifts)
+    two = _neighbours(rods, contacts.segments[:, 1], shifts)
+    count, m = one.shape
+    a, b = np.repeat(one, m, axis=1).ravel(), np.tile(two, m).ravel()
+    start = rods.points[layout.ends[:, 0]]
+    edges = rods.points[layout.ends[:, 1]] - start
+    s, t = _closest_places(start[a], edges[a], start[b], edges[b])
+    gap = (start[a] - start[b]) + s[:, None] * edges[a] - t[:, None] * edges[b]
+    distance = (gap**2).sum(axis=1).reshape(count, -1)
+    distance[(a == b).reshape(count, -1)] = np.inf
+    best = np.arange(count) * m * m + np.argmin(distance, axis=1)
+    return replace(
+        contacts,
+        segments=np.column_stack([a[best], b[best]]),
+        places=np.column_stack([s[best], t[best]]),
+    )
+
+
+def _neighbours(rods: Rods, segments: Indices, shifts: Indices) -> Indices:
+    """(C, m) segments of the same rod a few before and after; at an open end the last one is repeated."""
+    layout = rods.layout
+    rod = layout.rod_of_segment[segments][:, None]
+    first, past = layout.segment_offsets[rod], layout.segment_offsets[rod + 1]
+    at = segments[:, None] + shifts
+    around = first + np.mod(at - first, past - first)
+    return np.where(layout.closed[rod], around, np.clip(at, first, past - 1))
+
+
+def _closest_places(p: Vectors, u: Vectors, q: Vectors, v: Vectors) -> tuple[Scalars, Scalars]:
+    """Places, 0 to 1, at which the segments from p along u and from q along v are closest."""
+    w = p - q
+    uu, uv, vv = (u * u).sum(axis=1), (u * v).sum(axis=1), (v * v).sum(axis=1)
+    uw, vw = (u * w).sum(axis=1), (v * w).sum(axis=1)
+    determinant = uu * vv - uv**2
+    safe = np.maximum(determinant, 1e-12 * uu * vv)
+    s = np.clip((uv * vw - vv * uw) / safe, 0.0, 1.0)
+    t = np.clip((uv * s + vw) / vv, 0.0, 1.0)
+    s = np.clip((uv * t - uw) / uu, 0.0, 1.0)
+    return s, t
+
+
+def relaxing_terms(rods: Rods, springs: Springs | None = None) -> tuple[Term, ...]:
+    """Return the energies of a weave left to itself (Eq. 10): elastic ones and contacts."""
+    stiff = springs or Springs()
+    terms = elastic_terms(rods.layout)
+    if not len(rods.contacts):
+        return terms
+    return (
+        *terms,
+        contact_position(rods, stiff.position),
+        contact_orientation(rods, stiff.orientation),
+    )
+
+
+def relax(
+    rods: Rods,
+    *,
+    springs: Springs | None = None,
+    stepping: Stepping | None = None,
+    fixed: ArrayLike | None = None,
+    gravity: ArrayLike | None = None,
+    callback: Callable[[Step], None] | None = None,
+) -> Equilibrium:
+    """Find the shape that a weave takes when it is left to itself, without any pull to the surface (E.2).
+
+    Parameters
+    ----------
+    rods : the start
+    springs : stiffnesses of the contacts
+    stepping : numbers of the minimisation
+    fixed : (V,) vertices that do not move: a rigid boundary, or the feet it stands on. A segment whose two
+        vertices are fixed is clamped, it does not turn either
+    gravity : (3,) acceleration, length / time^2, in the units of the material's density
+    callback : called with every `Step`
+
+    Raises
+    ------
+    RodError
+        If there is gravity but nothing fixed: the constraint on the centre of mass would balance it.
+    """
+    held = _held(rods, fixed)
+    load = None
+    if gravity is not None and np.any(np.asarray(gravity) != 0):
+        pull = np.asarray(gravity, dtype=np.float64)
+        if pull.shape != (3,) or not np.isfinite(pull).all():
+            raise RodError(f"gravity is three finite numbers, not {gravity}")
+        if not held.any():
+            raise RodError(
+                "nothing holds the weave against gravity, and its centre of mass is kept where it is; "
+                "fix the vertices it stands on"
+            )
+        load = vertex_masses(rods)[:, None] * pull
+    return minimized(
+        rods, relaxing_terms(rods, springs), stepping=stepping, fixed=held, load=load, callback=callback
+    )
+
+
+def vertex_masses(rods: Rods) -> Scalars:
+    """(V,) mass of each vertex, half of each segment it ends: ``density w h l``."""
+    mass = rods.material.density * rods.material.thickness * rods.widths * rods.rest
+    return np.bincount(
+        rods.layout.ends.ravel(), np.repeat(0.5 * mass, 2), minlength=rods.layout.vertices
+    )
+
+
+def _held(rods: Rods, fixed: ArrayLike | None) -> Flags:
+    """(3 V + S,) unknowns that fixed vertices take out."""
+    layout = rods.layout
+    still = np.zeros(layout.vertices, dtype=bool) if fixed is None else np.asarray(fixed)
+    if still.dtype != bool or still.shape != (layout.vertices,):
+        raise RodError(f"fixed vertices are {layout.vertices} flags, not {still.dtype} {still.shape}")
+    return np.concatenate([np.repeat(still, 3), still[layout.ends].all(axis=1)])

@@ -1,0 +1,344 @@
+"""The energies of elastic rods and of their contacts, as sums of squares (Appendix E).
+
+Each term is ``1/2 sum r^2`` of residuals r that belong to small stencils: a segment, a joint, a contact. A
+stencil's Jacobian is taken at the rods as they are, where a change of a vertex parallel-transports the
+directors and a change of an angle turns one of them, so that it is exact however far they have moved.
+Unknown 3 v + x is coordinate x of vertex v, unknown 3 V + s the angle of segment s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from geoweave.arrays import Indices, Scalars, Vectors, frozen
+from geoweave.rods import Layout, Rods, cross
+
+__all__ = [
+    "Term",
+    "contact_orientation",
+    "contact_position",
+    "edgewise_bending",
+    "elastic_terms",
+    "energy_density",
+    "flatwise_bending",
+    "sliding",
+    "stretching",
+    "twisting",
+]
+
+Table = NDArray[np.float64]
+"""(n, r) residuals of n stencils, or (n, r, k) their derivatives by k unknowns."""
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """One energy, ``1/2 sum r^2``.
+
+    Attributes
+    ----------
+    name : what it is called in tables
+    unknowns : (n, k) unknowns of each stencil
+    residual : rods to (n, r) residuals, each the root of an energy
+    derivative : rods to (n, r, k) derivatives of the residuals by the stencil's unknowns
+    """
+
+    name: str
+    unknowns: Indices
+    residual: Callable[[Rods], Table]
+    derivative: Callable[[Rods], Table]
+
+    def energy(self, rods: Rods) -> float:
+        """Energy, force x length."""
+        return 0.5 * float((self.residual(rods) ** 2).sum())
+
+    def gradient(self, rods: Rods) -> Scalars:
+        """(3 V + S,) derivative of the energy by all unknowns."""
+        local = np.einsum("nr,nrk->nk", self.residual(rods), self.derivative(rods))
+        return np.bincount(self.unknowns.ravel(), local.ravel(), minlength=rods.size)
+
+    def jacobian(self, rods: Rods) -> sparse.csr_array:
+        """(n r, 3 V + S) derivative of all residuals by all unknowns."""
+        local = self.derivative(rods)
+        n, r, k = local.shape
+        columns = np.broadcast_to(self.unknowns[:, None, :], (n, r, k)).ravel()
+        rows = np.repeat(np.arange(n * r), k)
+        return sparse.csr_array((local.ravel(), (rows, columns)), shape=(n * r, rods.size))
+
+
+def elastic_terms(layout: Layout) -> tuple[Term, ...]:
+    """Return the internal energies of rods: stretching, bending flatwise and edgewise, twisting."""
+    joint = _joint_unknowns(layout)
+    return (stretching(layout), flatwise_bending(layout, joint), edgewise_bending(layout, joint),
+            twisting(layout, joint))  # fmt: skip
+
+
+def _point_unknowns(vertices: Indices) -> Indices:
+    """(n, 3 m) unknowns of the vertices (n, m)."""
+    return (3 * vertices[..., None] + np.arange(3)).reshape(len(vertices), -1)
+
+
+def _joint_unknowns(layout: Layout) -> Indices:
+    """(J, 11) the three vertices about each joint and the angles of the two segments."""
+    a, b = layout.joints.T
+    vertices = np.column_stack([layout.ends[a], layout.ends[b, 1]])
+    return frozen(np.concatenate([_point_unknowns(vertices), 3 * layout.vertices + layout.joints], axis=1))
+
+
+def _square_part(vectors: Vectors, tangents: Vectors) -> Vectors:
+    """Part of vectors square to tangents."""
+    return vectors - (vectors * tangents).sum(axis=-1, keepdims=True) * tangents
+
+
+# -- the energies within rods ---------------------------------------------------------------------------
+
+
+def stretching(layout: Layout) -> Term:
+    """Return the energy of stretching, ``1/2 sum Y w h l (|e| / l - 1)^2`` over segments.
+
+    |e| is the length of a segment, l its rest length.
+    """
+
+    def weight(rods: Rods) -> Scalars:
+        return np.sqrt(rods.material.stretching(rods.widths) * rods.rest)
+
+    def residual(rods: Rods) -> Table:
+        return (weight(rods) * (rods.lengths / rods.rest - 1.0))[:, None]
+
+    def derivative(rods: Rods) -> Table:
+        pull = (weight(rods) / rods.rest)[:, None] * rods.tangents
+        return np.concatenate([-pull, pull], axis=1)[:, None, :]
+
+    return Term("stretching", frozen(_point_unknowns(layout.ends)), residual, derivative)
+
+
+def flatwise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
+    """Return the energy of normal curvature, ``1/2 sum B k^2 / (2 l)``, ``k = kb . (t x tau)``.
+
+    Summed over joints and over the two segments of each (Bergou et al. 2008); B = Y w h^3 / 12, kb the
+    curvature binormal, l the rest length of the joint.
+    """
+    return _bending("normal curvature", layout, unknowns, flatwise=True)
+
+
+def edgewise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
+    """Return the energy of geodesic curvature, ``1/2 sum B k^2 / (2 l)``, ``k = -kb . tau``.
+
+    As `flatwise_bending`, with B = Y h w^3 / 12: (w / h)^2 times as stiff.
+    """
+    return _bending("geodesic curvature", layout, unknowns, flatwise=False)
+
+
+def _bending(name: str, layout: Layout, unknowns: Indices | None, *, flatwise: bool) -> Term:
+    a, b = layout.joints.T
+
+    def axes(rods: Rods) -> Vectors:
+        """(J, 2, 3) material direction about which the curvature is measured, on both segments."""
+        frame = rods.across if flatwise else -rods.directors
+        return np.stack([frame[a], frame[b]], axis=1)
+
+    def weight(rods: Rods) -> Scalars:
+        stiffness = rods.material.bending if flatwise else rods.material.edgewise
+        return np.sqrt(stiffness(rods.joint_widths) / (2.0 * rods.spans))
+
+    def residual(rods: Rods) -> Table:
+        return weight(rods)[:, None] * (rods.binormals[:, None, :] * axes(rods)).sum(axis=2)
+
+    def derivative(rods: Rods) -> Table:
+        axis, kb, chi = axes(rods), rods.binormals[:, None, :], rods.openness[:, None, None]
+        ta, tb = rods.tangents[a][:, None, :], rods.tangents[b][:, None, :]
+        curvature = (kb * axis).sum(axis=2, keepdims=True)
+        # The axis itself turns along its segment, which kb does not see.
+        by_a = (2.0 * cross(tb, axis) - curvature * tb) / chi
+        by_b = (2.0 * cross(axis, ta) - curvature * ta) / chi
+        by_a = _square_part(by_a, ta) / rods.lengths[a][:, None, None]
+        by_b = _square_part(by_b, tb) / rods.lengths[b][:, None, None]
+        out = np.zeros((len(a), 2, 11))
+        out[..., 0:3], out[..., 3:6], out[..., 6:9] = -by_a, by_a - by_b, by_b
+        turned = -rods.directors if flatwise else -rods.across
+        out[:, 0, 9] = (rods.binormals * turned[a]).sum(axis=1)
+        out[:, 1, 10] = (rods.binormals * turned[b]).sum(axis=1)
+        return weight(rods)[:, None, None] * out
+
+    return Term(name, _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative)
+
+
+def twisting(layout: Layout, unknowns: Indices | None = None) -> Term:
+    """Return the energy of twist, ``1/2 sum G J m^2 / l`` over joints, m the angle of twist, radians."""
+    a, b = layout.joints.T
+
+    def weight(rods: Rods) -> Scalars:
+        return np.sqrt(rods.material.twisting(rods.joint_widths) / rods.spans)
+
+    def residual(rods: Rods) -> Table:
+        assert rods.twists is not None
+        return (weight(rods) * rods.twists)[:, None]
+
+    def derivative(rods: Rods) -> Table:
+        by_a = rods.binormals / (2.0 * rods.lengths[a][:, None])
+        by_b = rods.binormals / (2.0 * rods.lengths[b][:, None])
+        one = np.ones((len(a), 1))
+        out = np.concatenate([-by_a, by_a - by_b, by_b, -one, one], axis=1)
+        return (weight(rods)[:, None] * out)[:, None, :]
+
+    return Term("twist", _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative)
+
+
+# -- contacts -------------------------------------------------------------------------------------------
+
+
+def _contact_unknowns(rods: Rods) -> Indices:
+    """(C, 14) the ends of both segments and their angles."""
+    pair = rods.contacts.segments
+    vertices = rods.layout.ends[pair].reshape(-1, 4)
+    return frozen(np.concatenate([_point_unknowns(vertices), 3 * rods.layout.vertices + pair], axis=1))
+
+
+def _director_derivative(rods: Rods, segments: Indices) -> Table:
+    """(C, 3, 7) derivative of tau by the start, the end and the angle of its segment."""
+    tangent, director = rods.tangents[segments], rods.directors[segments]
+    tilt = -tangent[:, :, None] * director[:, None, :] / rods.lengths[segments][:, None, None]
+    return np.concatenate([-tilt, tilt, rods.across[segments][:, :, None]], axis=2)
+
+
+OWN = (np.array([0, 1, 2, 3, 4, 5, 12]), np.array([6, 7, 8, 9, 10, 11, 13]))
+"""Columns of a contact's unknowns that belong to its first and to its second segment."""
+
+
+def contact_position(rods: Rods, stiffness: float) -> Term:
+    """Return the energy that holds crossing centrelines a thickness apart (E.2), with g = ``stiffness``.
+
+    ``g (|c_a + e h tau_a - c_b|^2 + |c_b - e h tau_b - c_a|^2)``, with e = 1 where b lies above a and -1
+    where it lies below.
+    """
+    pair, places = rods.contacts.segments, rods.contacts.places
+    side = np.where(rods.contacts.over == 1, 1.0, -1.0) * rods.material.thickness
+    # tau_b may point the other way than tau_a, on rods whose sides cannot agree
+    side = np.stack([side, side * _agreement(rods)], axis=1)
+    weight = np.sqrt(2.0 * stiffness)
+
+    def gap(rods: Rods) -> Vectors:
+        """(C, 3) ``c_a - c_b``, by differences from the nearest vertices."""
+        start = rods.layout.ends[pair, 0]
+        assert rods.edges is not None
+        along = places[..., None] * rods.edges[pair]
+        return (rods.points[start[:, 0]] - rods.points[start[:, 1]]) + (along[:, 0] - along[:, 1])
+
+    def residual(rods: Rods) -> Table:
+        apart, tau = gap(rods), side[..., None] * rods.directors[pair]
+        return weight * np.concatenate([apart + tau[:, 0], -apart - tau[:, 1]], axis=1)
+
+    def derivative(rods: Rods) -> Table:
+        out = np.zeros((len(pair), 6, 14))
+        eye = np.eye(3)
+        for k, sign in enumerate((1.0, -1.0)):
+            start, end = (1.0 - places[:, k])[:, None, None] * eye, places[:, k][:, None, None] * eye
+            first = 6 * k
+            out[:, :3, first : first + 3], out[:, :3, first + 3 : first + 6] = sign * start, sign * end
+        out[:, 3:] = -out[:, :3]
+        for k, sign in enumerate((1.0, -1.0)):
+            tilt = sign * side[:, k][:, None, None] * _director_derivative(rods, pair[:, k])
+            out[:, 3 * k : 3 * k + 3, OWN[k]] += tilt
+        return weight * out
+
+    return Term("contact position", _contact_unknowns(rods), residual, derivative)
+
+
+def contact_orientation(rods: Rods, stiffness: float) -> Term:
+    """Return the energy that makes crossing ribbons lie flush (E.2), ``g angle(tau_a, tau_b)^2``.
+
+    The residual is the rotation that takes one direction to the other, a vector, so that it is smooth where
+    the angle is zero. A strip has no upper side: the angle is between tau_a and tau_b or its opposite,
+    whichever is less when the term is made. The stiffness g is a force x length per radian squared.
+    """
+    pair = rods.contacts.segments
+    sign = _agreement(rods)[:, None]
+    weight = np.sqrt(2.0 * stiffness)
+
+    def parts(rods: Rods) -> tuple[Vectors, Vectors, Vectors, Scalars, Scalars]:
+        one, two = rods.directors[pair[:, 0]], sign * rods.directors[pair[:, 1]]
+        axis = cross(one, two)
+        factor, slope = _arc((one * two).sum(axis=1), np.sqrt((axis**2).sum(axis=1)))
+        return one, two, axis, factor, slope
+
+    def residual(rods: Rods) -> Table:
+        _, _, axis, factor, _ = parts(rods)
+        return weight * factor[:, None] * axis
+
+    def derivative(rods: Rods) -> Table:
+        one, two, axis, factor, slope = parts(rods)
+        out = np.zeros((len(pair), 3, 14))
+        for k, (other, handed, flip) in enumerate(((two, -1.0, 1.0), (one, 1.0, sign[:, :, None]))):
+            turn = flip * _director_derivative(rods, pair[:, k])
+            spin = handed * factor[:, None, None] * cross(other[:, None, :], turn.transpose(0, 2, 1))
+            cosine = np.einsum("nx,nxk->nk", other, turn)
+            out[:, :, OWN[k]] = spin.transpose(0, 2, 1) + (slope[:, None] * axis)[:, :, None] * cosine[:, None]
+        return weight * out
+
+    return Term("contact orientation", _contact_unknowns(rods), residual, derivative)
+
+
+def _agreement(rods: Rods) -> Scalars:
+    """(C,) 1 where the thickness directions of a contact point to the same side, -1 where they do not."""
+    one, two = rods.contacts.segments.T
+    return np.where((rods.directors[one] * rods.directors[two]).sum(axis=1) < 0, -1.0, 1.0)
+
+
+def _arc(cosine: Scalars, sine: Scalars) -> tuple[Scalars, Scalars]:
+    """Angle over its sine, and the derivative of that by the cosine; smooth where the angle is zero."""
+    small = (sine < 1e-2) & (cosine > 0)
+    sine = np.where(small, 1.0, np.maximum(sine, 1e-12))
+    factor = np.arctan2(sine, cosine) / sine
+    slope = (cosine * factor - 1.0) / sine**2
+    x = 1.0 - cosine  # angle^2 / 2 and more; the next term of each series is below 1e-12
+    near = 1.0 + x * (1 / 3 + x * (2 / 15 + x * 2 / 35))
+    return np.where(small, near, factor), np.where(small, -(1 / 3 + x * (4 / 15 + x * 6 / 35)), slope)
+
+
+# -- sliding --------------------------------------------------------------------------------------------
+
+
+def sliding(layout: Layout, anchors: Vectors, normals: Vectors, normal: float, tangential: float) -> Term:
+    """Return the energy that keeps vertices near anchors on a surface (E.1).
+
+    ``k_n / 2 (n . (p - a))^2 + k_t / 2 |(I - n n') (p - a)|^2`` over vertices p with anchors a and unit
+    normals n, both (V, 3); the stiffnesses are forces per length.
+    """
+    along = normals[:, :, None] * normals[:, None, :]
+    root = np.sqrt(normal) * along + np.sqrt(tangential) * (np.eye(3) - along)
+
+    def residual(rods: Rods) -> Table:
+        return np.einsum("nxy,ny->nx", root, rods.points - anchors)
+
+    unknowns = _point_unknowns(np.arange(layout.vertices)[:, None])
+    return Term("sliding", frozen(unknowns), residual, lambda rods: root)
+
+
+# -- where the energy is --------------------------------------------------------------------------------
+
+
+def energy_density(rods: Rods) -> dict[str, Scalars]:
+    """Elastic energy per length of each segment, by its cause (Fig. 23).
+
+    The two halves of a joint's bending are measured on its two segments and go there; its twist is shared.
+
+    Returns
+    -------
+    For "stretching", "normal curvature", "geodesic curvature" and "twist", (S,) force.
+    """
+    a, b = rods.layout.joints.T
+    found = {}
+    for term in elastic_terms(rods.layout):
+        energy = 0.5 * term.residual(rods) ** 2
+        if len(energy) == rods.layout.segments and term.unknowns.shape[1] == 6:
+            own = energy[:, 0]
+        else:
+            before, after = (energy[:, 0], energy[:, 1]) if energy.shape[1] == 2 else 2 * (0.5 * energy[:, 0],)
+            own = np.bincount(a, before, minlength=rods.layout.segments)
+            own += np.bincount(b, after, minlength=rods.layout.segments)
+        found[term.name] = frozen(own / rods.rest)
+    return found
