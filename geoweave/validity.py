@@ -10,7 +10,6 @@ from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.curves import Curves
 from geoweave.mesh import TriMesh
 from geoweave.ribbons import Ribbons
-from geoweave.straightest import Crossings
 
 __all__ = ["violations"]
 
@@ -25,9 +24,10 @@ def violations(ribbons: Ribbons, over: ArrayLike | None = None) -> list[str]:
     """Say what is wrong with a weave, one sentence per rule that it breaks; nothing for a valid one.
 
     The rules: each crossing lies on exactly two ribbons, or on one at two places, and is listed once; each
-    place where two ribbons meet inside a face is listed; each ribbon crosses at least once; each end of an
-    open ribbon lies on the boundary or has a crossing within a tail of it; no ribbon is shorter than
-    ``cutting.shortest`` spacings; one ribbon lies over at each crossing.
+    place where two segments cross inside a face is listed, unless the same two ribbons cross again within a
+    tail; each ribbon crosses at least once; each end of an open ribbon lies on the boundary or has a crossing
+    within a tail of it; no ribbon is shorter than ``cutting.shortest`` spacings; one ribbon lies over at each
+    crossing.
 
     Parameters
     ----------
@@ -123,7 +123,7 @@ def _listed_twice(ribbons: Ribbons, near: float) -> list[str]:
 
 
 def _unlisted(ribbons: Ribbons, near: float) -> list[str]:
-    """Places inside a face where two segments cross and no crossing is listed: every pair in every face."""
+    """Places inside a face where two ribbons cross and no crossing is listed: every pair in every face."""
     curves, met = ribbons.curves, ribbons.crossings
     last = np.zeros(len(curves.points), dtype=bool)
     last[curves.offsets[1:][~curves.closed] - 1] = True
@@ -144,7 +144,14 @@ def _unlisted(ribbons: Ribbons, near: float) -> list[str]:
     a, s, b = a[strict], s[strict], b[strict]
     where = curves.points[a] + s[:, None] * curves.segments[a]
     pairs = np.sort(curves.curve_of_point[np.stack([a, b], axis=1)], axis=1)
-    return _said("places where ribbons cross are not listed", ~_among(pairs, where, met, near), where)
+    missed = np.flatnonzero(~_among(pairs, where, met.curves, met.points, near))
+    pairs, where = pairs[missed], where[missed]
+    # Two that cross and cross back within a tail only touch: each such place has another one beside it.
+    tail = ribbons.cutting.tail * ribbons.spacing
+    touching = _among(pairs, where, met.curves, met.points, tail) | _among(
+        pairs, where, pairs, where, tail, besides_itself=True
+    )
+    return _said("places where ribbons cross are not listed", ~touching, where)
 
 
 def _pairs(label: Indices) -> tuple[Indices, Indices]:
@@ -165,15 +172,25 @@ def _cross(u: Vectors, v: Vectors) -> Scalars:
     return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
 
 
-def _among(pairs: Indices, points: Vectors, met: Crossings, near: float) -> Flags:
-    """(n,) whether a crossing of the same two ribbons is listed so near to a point."""
-    if not len(met):
+def _among(
+    pairs: Indices,
+    points: Vectors,
+    known_pairs: Indices,
+    known: Vectors,
+    near: float,
+    *,
+    besides_itself: bool = False,
+) -> Flags:
+    """(n,) whether a known place of the same two ribbons is so near to a point."""
+    rank = 2 if besides_itself else 1
+    if len(known) < rank:
         return np.zeros(len(pairs), dtype=bool)
     # The ribbons as two more coordinates, so far apart that the nearest is one of the same two.
-    far = 4.0 * float(np.abs(met.points).max() + np.abs(points).max(initial=0.0) + near)
-    listed = np.concatenate([met.points, far * np.sort(met.curves, axis=1)], axis=1)
-    distance, _ = cKDTree(listed).query(np.concatenate([points, far * pairs], axis=1))
-    return np.asarray(distance <= near)
+    far = 4.0 * float(np.abs(known).max() + np.abs(points).max(initial=0.0) + near)
+    there = np.concatenate([known, far * np.sort(known_pairs, axis=1)], axis=1)
+    here = np.concatenate([points, far * pairs], axis=1)
+    distance = np.asarray(cKDTree(there).query(here, [rank])[0])
+    return np.asarray(distance[:, 0] <= near)
 
 
 def _hanging(ribbons: Ribbons, near: float) -> Flags:
