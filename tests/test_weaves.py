@@ -32,11 +32,10 @@ def test_strips_are_closed_solids() -> None:
 
 def test_strips_are_as_wide_and_thick_as_asked() -> None:
     weave = pattern()
-    made = weaves.strips(weave, ribbons_of(1), width=0.3, thickness=0.1)
+    made = weaves.strips(weave, ribbons_of(1), width=0.03, thickness=0.01)
     rings = made.points.reshape(-1, 4, 3)
-    spacing = weave.ribbons.spacing
-    np.testing.assert_allclose(np.linalg.norm(rings[:, 1] - rings[:, 0], axis=1), 0.3 * spacing, rtol=1e-9)
-    np.testing.assert_allclose(np.linalg.norm(rings[:, 3] - rings[:, 0], axis=1), 0.1 * spacing, rtol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(rings[:, 1] - rings[:, 0], axis=1), 0.03, rtol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(rings[:, 3] - rings[:, 0], axis=1), 0.01, rtol=1e-9)
 
 
 def test_over_is_above_under() -> None:

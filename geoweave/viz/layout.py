@@ -67,11 +67,14 @@ def grid(
     cell = (width - unit * (2 * SIDE + gap * (per_row - 1))) / per_row
     rows = [range(start, min(start + per_row, len(scenes))) for start in range(0, len(scenes), per_row)]
     heights = [min(round(unit * tallest), *(int(cell / scenes[k].aspect) for k in row)) for row in rows]
-    below = unit * (TITLE + (SUBTITLE if any(subtitle for _, subtitle in words) else 0))
-    figure = sheet(width, round(sum(heights) + (below + unit * gap) * len(rows) + unit * (SIDE + foot)))
+    room = unit * (TITLE + (SUBTITLE if any(subtitle for _, subtitle in words) else 0))
+    # A row of close-ups may have no words of its own.
+    below = [room if any(words[k] != ("", "") for k in row) else 0.0 for row in rows]
+    total = sum(heights) + sum(below) + unit * gap * len(rows) + unit * (SIDE + foot)
+    figure = sheet(width, round(total))
     with style.applied():
         top = unit * SIDE
-        for row, height in zip(rows, heights, strict=True):
+        for row, height, words_below in zip(rows, heights, below, strict=True):
             # A row that is not full stands in the middle.
             left = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * gap)
             for k in row:
@@ -79,7 +82,7 @@ def grid(
                 place(figure, pixels, left + 0.5 * (cell - pixels.shape[1]), top)
                 caption(figure, words[k], (left + 0.5 * cell) / width, top + height, unit)
                 left += cell + unit * gap
-            top += height + below + unit * gap
+            top += height + words_below + unit * gap
     return figure
 
 

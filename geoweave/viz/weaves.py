@@ -19,9 +19,6 @@ from geoweave.viz.picture import Picture
 from geoweave.viz.scene import Scene, View
 from geoweave.weave import Weave
 
-WIDTH, THICKNESS = 0.34, 0.05
-"""Of a ribbon, in units of the spacing of its family."""
-
 STEP = 0.06
 """Distance between the cross sections of a strip, in spacings."""
 
@@ -44,7 +41,7 @@ class Woven:
     weave : the weave
     title, subtitle : lines under the picture
     view : where from, or the name of a model in `VIEWS`
-    width, thickness : of the ribbons, in units of the spacing
+    width, thickness : of the ribbons, lengths on the surface; those of the weave if not given
     hues : number of colours; by default three, or as many as there are families
     focus : a place on the surface and the radius round it that is to be seen; all of it if None
     dots : whether to mark the branch points
@@ -54,8 +51,8 @@ class Woven:
     title: str = ""
     subtitle: str = ""
     view: View | str = field(default_factory=View)
-    width: float = WIDTH
-    thickness: float = THICKNESS
+    width: float | None = None
+    thickness: float | None = None
     hues: int | None = None
     focus: tuple[Sequence[float], float] | None = None
     dots: bool = False
@@ -104,7 +101,9 @@ def colouring(weave: Weave, count: int | None = None) -> Indices:
             return np.asarray(chosen, dtype=np.int64)
 
 
-def strips(weave: Weave, which: Indices, width: float = WIDTH, thickness: float = THICKNESS) -> Strips:
+def strips(
+    weave: Weave, which: Indices, width: float | None = None, thickness: float | None = None
+) -> Strips:
     """Build some ribbons as solid strips, lifted by half a thickness over and under each other.
 
     Between crossings the height above the surface goes from one to the next in half a wave of a cosine.
@@ -113,15 +112,16 @@ def strips(weave: Weave, which: Indices, width: float = WIDTH, thickness: float 
     ----------
     weave : the weave
     which : numbers of the ribbons
-    width, thickness : in units of the spacing
+    width, thickness : lengths on the surface; those of the weave if not given
 
     Raises
     ------
     RenderError
         If the width or the thickness is not positive.
     """
-    if not (width > 0 and thickness > 0):
-        raise RenderError(f"a ribbon needs a positive width and thickness, not {width} and {thickness}")
+    wide, thin = weave.width if width is None else width, weave.thickness if thickness is None else thickness
+    if not (wide > 0 and thin > 0):
+        raise RenderError(f"a ribbon needs a positive width and thickness, not {wide} and {thin}")
     ribbons, spacing = weave.ribbons, weave.ribbons.spacing
     curves, met = ribbons.curves, ribbons.crossings
     smooth = weave.mesh.vertex_normals
@@ -145,9 +145,9 @@ def strips(weave: Weave, which: Indices, width: float = WIDTH, thickness: float 
         across = _unit(np.cross(up, ahead - behind))
         here = met.curves == c
         sides = np.where(weave.interlacing.over[:, None] == np.arange(2), 1.0, -1.0)[here]
-        height = _heights(s, met.arclength[here], sides, length, closed, 0.6 * width * spacing)
-        middle = line + 0.55 * thickness * spacing * height[:, None] * up
-        half, thick = 0.5 * width * spacing * across, 0.5 * thickness * spacing * up
+        height = _heights(s, met.arclength[here], sides, length, closed, 0.6 * wide)
+        middle = line + 0.55 * thin * height[:, None] * up
+        half, thick = 0.5 * wide * across, 0.5 * thin * up
         ring = np.stack(
             [middle - half - thick, middle + half - thick, middle + half + thick, middle - half + thick]
         )
@@ -169,14 +169,15 @@ def weave_scene(
     weave: Weave,
     view: View | str,
     *,
-    width: float = WIDTH,
-    thickness: float = THICKNESS,
+    width: float | None = None,
+    thickness: float | None = None,
     hues: int | None = None,
 ) -> Scene:
     """Build the scene of a weave on its surface, ribbons in the colours of `colouring`."""
     scene = Scene(VIEWS[view] if isinstance(view, str) else view)
     # The surface a little below, so that what goes under is not lost in it.
-    sunk = weave.mesh.vertices - 1.3 * thickness * weave.ribbons.spacing * weave.mesh.vertex_normals
+    depth = 1.3 * (weave.thickness if thickness is None else thickness)
+    sunk = weave.mesh.vertices - depth * weave.mesh.vertex_normals
     scene.add_surface(TriMesh(sunk, weave.mesh.faces), colour=style.SURFACE)
     chosen = colouring(weave, hues)
     for hue in range(int(chosen.max()) + 1):
@@ -224,7 +225,7 @@ def _heights(
 ) -> Scalars:
     """Height along a ribbon in half thicknesses: +1 over, -1 under, half cosines between.
 
-    It stays as it is up to ``level`` to either side of a crossing, for at most three tenths of the way to the next.
+    It stays as it is up to ``level`` to either side of a crossing, at most three tenths of the way on.
     """
     if not len(at):
         return np.zeros(len(s))
