@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from matplotlib.colors import Colormap
+from matplotlib.colors import Colormap, ListedColormap
 from matplotlib.figure import Figure
 
 from geoweave.errors import RenderError
@@ -95,6 +95,7 @@ def gallery(
     tallest: int = 1100,
     alt: str = "",
     colormaps: Sequence[Colormap] = (),
+    accents: Sequence[str] = (),
 ) -> Picture:
     """Draw scenes of any kind side by side: the stages of a pipeline (Fig. 18).
 
@@ -106,7 +107,7 @@ def gallery(
     width : pixels across the figure; a narrower one is the same figure, smaller
     tallest : height that no scene exceeds, in pixels of a figure of full width
     alt : one sentence that says what is to be seen
-    colormaps : maps and small accents for which the palette of a published picture must keep a place
+    colormaps, accents : maps, and colours of small things, for which the palette must keep a place
 
     Raises
     ------
@@ -114,4 +115,5 @@ def gallery(
         If there is nothing to draw.
     """
     figure = grid(scenes, words, columns=columns, width=width, tallest=tallest, foot=0)
-    return Picture(figure, alt or ", ".join(title for title, _ in words), tuple(colormaps))
+    maps = [*colormaps, ListedColormap(sorted(accents))] if accents else colormaps
+    return Picture(figure, alt or ", ".join(title for title, _ in words), tuple(maps))

@@ -195,6 +195,15 @@ class Scene:
         look = {"color": colour, "ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
         self._actors.append((bars.tube(radius=radius / placement.scale, n_sides=6), look))
 
+    def add_arrows(self, points: Vectors, vectors: Vectors, colour: str) -> None:
+        """Add solid arrows from points (N, 3) along vectors (N, 3), as long as these."""
+        placement = self._placed()
+        shafts = pv.PolyData(placement.apply(points))
+        shafts.point_data["vectors"] = vectors / placement.scale
+        arrow = pv.Arrow(tip_length=0.36, tip_radius=0.13, shaft_radius=0.05, tip_resolution=16)
+        glyphs = shafts.glyph(orient="vectors", scale="vectors", factor=1.0, geom=arrow)
+        self._actors.append((glyphs, {"color": colour, "ambient": 0.45, "diffuse": 0.6}))
+
     def add_solid(self, points: Vectors, quads: NDArray[np.int64], colour: str) -> None:
         """Add quadrilaterals (Q, 4) of one colour with sharp edges, such as the outside of ribbons."""
         solid = pv.PolyData(self._placed().apply(points), np.insert(quads, 0, 4, axis=1).ravel())
