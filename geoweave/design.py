@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoweave.terminal import (
+    Positive,
     Say,
     Surface,
+    about,
     as_json,
     check_output,
     prepared_surface,
@@ -42,7 +44,7 @@ def field(surface: Surface, output: str | None, as_json: bool) -> None:
     if output is not None:
         check_output(output, surface.name)
     seconds: dict[str, float] = {}
-    with status() as say:
+    with status() as say, about(surface.name):
         prepared, solve = _designed(surface, None, seconds, say)
         if output is not None:
             say(f"writing {output}")
@@ -56,7 +58,7 @@ def field(surface: Surface, output: str | None, as_json: bool) -> None:
 @surface_options
 @click.option(
     "--scale",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Positive(),
     default=1.0,
     help="Factor on the number of level sets (1).",
 )
@@ -70,7 +72,7 @@ def foliate(surface: Surface, scale: float, output: str | None, as_json: bool) -
     from geoweave.integration import foliate as integrated
 
     seconds: dict[str, float] = {}
-    with status() as say:
+    with status() as say, about(surface.name):
         prepared, solve = _designed(surface, INTEGRABLE_END, seconds, say)
         say("finding the integrating factor")
         with timed(seconds, "foliate"):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,6 +22,12 @@ GROWTH = 1.4
 
 DIGITS = 5
 """Significant digits of a scale, so that the one that is reported can be asked for."""
+
+FINEST = 0.25
+"""Two scales closer than this share of what a count of one more takes, ``1 / wanted``, have none between."""
+
+NEARBY = 0.01
+"""Share of the scale by which a scale next to the best differs from it."""
 
 FARTHEST = 8.0
 """Factor by which a step after the first one changes the scale at most while all counts lie on one side."""
@@ -46,10 +53,11 @@ def nearest_scale(
 ) -> Search:
     """Find a scale at which a function counts ``wanted``, or as near to it as some tries come.
 
-    Between two tries that enclose the wanted count the next scale is interpolated, the logarithm of the count
-    over that of the scale; before that it is extrapolated. The search ends at the wanted count, when no
-    scale of five digits is left between, or with the tries. Of two counts equally near it takes the smaller
-    one, never 0, and of two scales with the same count the first.
+    Between two neighbouring tries that enclose the wanted count the next scale is interpolated, the logarithm
+    of the count over that of the scale; before that it is extrapolated. Where neighbours that enclose it lie
+    too close to hope for it between them, the count jumps there, and scales next to the best are tried. The
+    search ends at the wanted count or with the tries. Of two counts equally near it takes the smaller one,
+    never 0, and of two scales with the same count the first.
 
     Parameters
     ----------
@@ -92,12 +100,7 @@ def _proposed(tried: dict[float, int], wanted: int) -> float:
     below = [(n, x) for x, n in tried.items() if n < wanted]
     above = [(n, x) for x, n in tried.items() if n > wanted]
     if below and above:
-        few, low = max(below)
-        many, high = min(above)
-        first, last = np.log(low), np.log(high)
-        # Nothing at all tells no slope; half way then, and never nearer than a tenth to either.
-        share = np.log(wanted / few) / np.log(many / few) if few else 0.5
-        return float(np.exp(first + np.clip(share, 0.1, 0.9) * (last - first)))
+        return _between(tried, wanted)
     side = below or above
     count, last_scale = max(below) if below else min(above)
     if not count:
@@ -106,3 +109,23 @@ def _proposed(tried: dict[float, int], wanted: int) -> float:
     if len(side) > 1:  # the first step fell short: twice as far each time, within reason
         step = np.clip(step * 2.0 ** (len(side) - 1), -np.log(FARTHEST), np.log(FARTHEST))
     return float(last_scale * np.exp(step))
+
+
+def _between(tried: dict[float, int], wanted: int) -> float:
+    """Return a scale between two tries, or next to the best one; one that was tried if there is none."""
+    scales = sorted(tried)
+    miss = {scale: abs(tried[scale] - wanted) for scale in scales}
+    gaps = [(low, high) for low, high in pairwise(scales) if np.log(high / low) > FINEST / wanted]
+    enclosing = [each for each in gaps if (tried[each[0]] < wanted) != (tried[each[1]] < wanted)]
+    if enclosing:
+        low, high = min(enclosing, key=lambda each: miss[each[0]] + miss[each[1]])
+        one, two = tried[low], tried[high]
+        # Nothing at all tells no slope; half way then, and never nearer than a tenth to either.
+        share = np.log(wanted / one) / np.log(two / one) if one and two else 0.5
+        return float(low * (high / low) ** np.clip(share, 0.1, 0.9))
+    for best in sorted(scales, key=lambda scale: miss[scale]):
+        for low, high in gaps:
+            if best in (low, high):
+                step = min(NEARBY, 0.5 * float(np.log(high / low)))
+                return float(best * np.exp(step if best == low else -step))
+    return scales[0]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import time
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoweave.errors import MeshError
+from geoweave.errors import FieldError, MeshError
 
 if TYPE_CHECKING:
     from geoweave.prepare import Components, Prepared
@@ -40,6 +41,20 @@ faces_option = click.option(
 seed_option = click.option(
     "--seed", type=click.IntRange(min=0), default=0, help="Seed of the random numbers (0)."
 )
+
+
+class Positive(click.FloatRange):
+    """A positive number, neither infinite nor nan."""
+
+    def __init__(self) -> None:
+        super().__init__(min=0, min_open=True)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
 
 
 @dataclass(frozen=True)
@@ -130,6 +145,17 @@ def new_folder(output: str) -> Path:
     else:
         check_writable(folder)
     return folder
+
+
+@contextmanager
+def about(name: str) -> Iterator[None]:
+    """Have what a method says about a surface begin with the name of its file."""
+    try:
+        yield
+    except (FieldError, MeshError) as error:
+        if str(error).startswith(name):
+            raise
+        raise type(error)(f"{name}: {error}") from error
 
 
 @contextmanager

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import click
 
 from geoweave.terminal import (
+    Positive,
     Surface,
+    about,
     as_json,
     new_folder,
     prepared_surface,
@@ -17,6 +21,11 @@ from geoweave.terminal import (
     timed,
 )
 
+if TYPE_CHECKING:
+    from geoweave.inspection import Inspection
+    from geoweave.prepare import Prepared
+    from geoweave.woven import Weave
+
 
 @click.command()
 @surface_options
@@ -27,40 +36,64 @@ from geoweave.terminal import (
     "--symmetry", type=click.IntRange(min=3), default=6, help="Vectors of the RoSy: 6 weaves triaxially (6)."
 )
 @click.option(
-    "--scale",
-    type=click.FloatRange(min=0, min_open=True),
-    default=1.0,
-    help="Factor on the number of ribbons (1).",
+    "--ribbons", type=click.IntRange(min=1), help="How many ribbons; the nearest number that a search meets."
+)
+@click.option("--scale", type=Positive(), help="Factor on the number of ribbons (1), in place of --ribbons.")
+@click.option(
+    "--size", type=Positive(), help="Longest side of the bounding box in mm; results are then in mm."
+)
+@click.option(
+    "--width", type=Positive(), help="Width of a ribbon, in mm with --size, else in the mesh's unit."
+)
+@click.option("--thickness", type=Positive(), help="Thickness of a ribbon (a twentieth of the width).")
+@click.option(
+    "--formats", default="json", metavar="json,rod", help="What to write, apart by commas; json always is."
 )
 @click.option(
     "--no-relax", is_flag=True, help="Stop before physics; needed for now, as relaxing is yet to come."
 )
 @as_json
-def weave(surface: Surface, output: str, symmetry: int, scale: float, no_relax: bool, as_json: bool) -> None:
+def weave(
+    surface: Surface,
+    output: str,
+    symmetry: int,
+    ribbons: int | None,
+    scale: float | None,
+    size: float | None,
+    width: float | None,
+    thickness: float | None,
+    formats: str,
+    no_relax: bool,
+    as_json: bool,
+) -> None:
     """Design a weave: ribbons along geodesics, their crossings, over and under."""
     if not no_relax:
         raise click.UsageError("relaxing a weave by physics is yet to come; add --no-relax")
-    from geoweave.prepare import evened
+    if ribbons is not None and scale is not None:
+        raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
+    from geoweave.inspection import inspected
+    from geoweave.outputs import check_formats, write_weave
     from geoweave.weave import weave_pattern
 
+    wanted = check_formats(formats.split(","))
     folder = new_folder(output)
     seconds: dict[str, float] = {}
-    with status() as say:
+    with status() as say, about(surface.name):
         prepared = prepared_surface(surface, seconds, say)
-        if surface.faces is None:
-            with timed(seconds, "remesh"):
-                prepared = evened(prepared, name=surface.name)
         pattern = weave_pattern(
             prepared.mesh,
             symmetry=symmetry,
             scale=scale,
+            ribbons=ribbons,
             seed=surface.seed,
             callback=lambda stage: say(f"weaving: {stage}"),
         )
         seconds |= pattern.seconds
+        pattern = pattern.sized(size, width, thickness)
+        with timed(seconds, "inspection"):
+            report = inspected(pattern)
         with timed(seconds, "write"):
-            folder.mkdir(exist_ok=True)
-            pattern.save(folder / "weave.json")
+            files = write_weave(pattern, folder, wanted, report)
     seconds["total"] = sum(seconds.values())
     result = {
         "mesh": surface.name,
@@ -68,35 +101,85 @@ def weave(surface: Surface, output: str, symmetry: int, scale: float, no_relax: 
         "genus": prepared.mesh.genus,
         "boundary_loops": len(prepared.mesh.boundary_loops),
         "symmetry": symmetry,
-        "scale": scale,
+        "scale": pattern.scale,
+        "ribbons_asked": ribbons,
+        "scales_tried": len(pattern.tried) or 1,
         "seed": surface.seed,
         "branch_points": len(pattern.branch_points),
+        "units": pattern.units,
         **pattern.metrics(),
+        "width": pattern.width * pattern.placement.scale,
+        "thickness": pattern.thickness * pattern.placement.scale,
+        "suggested_width": report.suggested_width,
+        "places": report.counts,
+        "violations": len(report.violations),
         "seconds": {key: round(value, 4) for key, value in seconds.items()},
         "repairs": prepared.report.as_dict(),
-        "output": str(folder / "weave.json"),
+        "output": str(files["weave.json"]),
+        "files": [str(path) for path in files.values()],
     }
     if as_json:
         print_json(result)
         return
+    print_table(surface.name, _rows(result, prepared, pattern, report))
+
+
+def _rows(
+    result: dict[str, Any], prepared: Prepared, pattern: Weave, report: Inspection
+) -> list[tuple[str, str]]:
+    """What the table for people says."""
     angle, turns = result["crossing_angle_deg"], result["alternation"]
-    alternation = (
-        f"{turns['fraction']:.1%} of neighbouring crossings; at most {turns['optimal_fraction_bound']:.1%}"
-    )
+    mm = pattern.units == "mm"
+    unit = " mm" if mm else ""
+    asked = result["ribbons_asked"]
+    count = text_of(result["ribbons"])
+    if asked is not None:
+        tries = f"in {result['scales_tried']} tries"
+        found = "as asked" if asked == result["ribbons"] else f"the nearest to {asked:,}"
+        count = f"{count}, {found} {tries}: --scale {result['scale']:g}"
+    length = f"{result['metres']:.2f} metres" if mm else f"{result['total_length']:.5g} in the mesh's unit"
+    size = f"{result['width']:.3g} wide, {result['thickness']:.2g} thick, {result['spacing']:.3g} apart"
+    shares = f"{report.share_that_fits:.0%} of the neighbouring crossings fit"
+    if report.suggested_width is not None:
+        shares += f", {report.limits.fitting:.0%} up to a width of {report.suggested_width:.3g}{unit}"
     rows = [("faces", text_of(prepared.mesh.n_faces)), ("genus", text_of(prepared.mesh.genus))]
     rows += [("repairs", text) for text in prepared.report.sentences()]
     rows += [
         ("branch points", text_of(result["branch_points"])),
-        (
-            "ribbons",
-            f"{result['ribbons']:,} in all {result['total_length']:.5g} long, {result['spacing']:.3g} apart",
-        ),
+        ("ribbons", count),
+        ("length", length),
+        ("size", f"{size}{' (mm)' if mm else ''}"),
+        ("width", shares),
         ("crossings", text_of(result["crossings"])),
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
         ("smallest angle", f"{angle['smallest']:.1f} degrees"),
-        ("alternation", alternation),
+        (
+            "alternation",
+            f"{turns['fraction']:.1%} of neighbours; at most {turns['optimal_fraction_bound']:.1%}",
+        ),
         ("loose ends", text_of(result["loose_ends"])),
-        ("seconds", ", ".join(f"{key} {value:.2f}" for key, value in seconds.items())),
-        ("written to", result["output"]),
     ]
-    print_table(surface.name, rows)
+    rows += [("broken rule", text) for text in report.violations]
+    rows += [("hard places", "none") if not report.places else ("hard places", "")]
+    rows += [(f"  {kind.replace('_', ' ')}", _worst(kind, report)) for kind, n in report.counts.items() if n]
+    rows += [
+        ("seconds", ", ".join(f"{key} {value:.2f}" for key, value in result["seconds"].items())),
+        ("written to", ", ".join(result["files"])),
+    ]
+    return rows
+
+
+def _worst(kind: str, report: Inspection) -> str:
+    """How many places there are of a kind, and where the worst of them is."""
+    worst = next(place for place in report.places if place.kind == kind)
+    what = {
+        "near_parallel": f"crossings below {report.limits.angle:g} degrees",
+        "alongside": "stretches where ribbons lie on each other side by side",
+        "crowded": "places where crossings overlap",
+        "gap": f"holes with more than {report.limits.gap:g} spacings to any ribbon",
+        "loose_end": "loose ends",
+        "bare_component": "pieces of the surface without a ribbon",
+    }[kind]
+    where = ", ".join(f"{x:.4g}" for x in worst.point)
+    names = f", {' '.join(worst.ribbons)}" if worst.ribbons else ""
+    return f"{report.counts[kind]:,} {what}; the worst, {worst.value:.3g}, at ({where}){names}"

@@ -14,6 +14,7 @@ from geoweave import cli
 from geoweave.fields import FaceField, edge_curl, total_curl
 from geoweave.mesh import TriMesh
 from geoweave.places import package_version
+from geoweave.rodfiles import read_rods
 
 
 @pytest.fixture
@@ -258,18 +259,55 @@ def test_weave_as_json_and_as_a_file(run, ball, tmp_path):
     assert (weave["format"], weave["version"], weave["symmetry"]) == ("geoweave-weave", 1, 6)
     assert len(weave["ribbons"]) == result["ribbons"]
     assert len(weave["crossings"]) == result["crossings"]
-    assert [path.name for path in folder.iterdir()] == ["weave.json"]
+    assert sorted(path.name for path in folder.iterdir()) == ["report.json", "weave.json"]
+    assert sorted(result["files"]) == sorted(str(path) for path in folder.iterdir())
+    report = json.loads((folder / "report.json").read_text())
+    assert (report["format"], report["version"], report["units"]) == ("geoweave-report", 1, "mesh")
+    assert report["counts"] == result["places"]
+    assert result["violations"] == len(report["violations"]) == 0
+
+
+def test_weave_of_a_size_with_rods_for_a_number_of_ribbons(run, ball, tmp_path):
+    asked = ("--ribbons", 20, "--size", 150, "--width", 4, "--formats", "rod,json", "--no-relax", "--json")
+    folder = tmp_path / "woven"
+    status, out, err = run("weave", ball, *asked, "-o", folder)
+    assert (status, err) == (0, "")
+    result = json.loads(out)
+    assert (result["ribbons_asked"], result["units"], result["width"]) == (20, "mm", pytest.approx(4.0))
+    assert abs(result["ribbons"] - 20) <= 5
+    assert result["metres"] == pytest.approx(result["total_length"] / 1000)
+    weave = json.loads((folder / "weave.json").read_text())
+    points = np.concatenate([ribbon["points"] for ribbon in weave["ribbons"]])
+    assert 140 < np.ptp(points, axis=0).max() <= 150 * (1 + 1e-9)
+    assert weave["scale"] == result["scale"]
+    rods = read_rods(folder / "weave.rod")
+    assert len(rods.rods) == result["ribbons"]
+    # the scale that it says gives the same weave
+    again = ("--scale", result["scale"], "--size", 150, "--width", 4, "--no-relax", "-o", tmp_path / "again")
+    assert run("weave", ball, *again)[0] == 0
+    assert (tmp_path / "again" / "weave.json").read_bytes() == (folder / "weave.json").read_bytes()
+    assert (tmp_path / "again" / "report.json").read_bytes() == (folder / "report.json").read_bytes()
 
 
 def test_weave_for_people_and_what_it_refuses(run, ball, tmp_path):
     status, out, _ = run("weave", ball, "--faces", 1500, "--no-relax", "-o", tmp_path / "woven")
     assert status == 0
-    for word in ("ribbons", "crossings", "alternation", "loose ends"):
+    for word in ("ribbons", "crossings", "alternation", "loose ends", "in the mesh's unit", "hard places"):
         assert word in out
     assert refused(run("weave", ball, "-o", tmp_path / "other"), "--no-relax")
     assert refused(run("weave", ball, "--no-relax", "-o", ball), "is a file")
     assert refused(run("weave", ball, "--no-relax", "-o", tmp_path / "no" / "where"), "no")
-    assert refused(run("weave", ball, "--no-relax", "--symmetry", 2, "-o", tmp_path / "x"), "--symmetry")
+    weave = ("weave", ball, "--no-relax", "-o", tmp_path / "x")
+    assert refused(run(*weave, "--symmetry", 2), "--symmetry")
+    assert refused(run(*weave, "--ribbons", 0), "--ribbons")
+    assert refused(run(*weave, "--ribbons", 9, "--scale", 2), "exclude each other")
+    assert refused(run(*weave, "--formats", "json,dwg"), "'dwg'", "json, rod")
+    for option in ("--size", "--width", "--thickness", "--scale"):
+        for bad in (0, -1, "nan", "inf"):
+            assert refused(run(*weave, option, bad), option)
+    assert refused(run(*weave, "--scale", 0.001), ball, "larger scale")
+    assert refused(run(*weave, "--scale", 999), ball, "smaller scale")
+    assert not (tmp_path / "x").exists()
     assert not (tmp_path / "other").exists()
 
 

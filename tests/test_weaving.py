@@ -1,7 +1,26 @@
-"""The command that weaves is tested as a user runs it, in test_cli.py; here, that it is there."""
+"""The command that weaves is tested as a user runs it, in test_cli.py; here, its place and its table."""
 
-from geoweave import cli, weaving
+import dataclasses
+from functools import cache
+
+from geoweave import cli, shapes, weaving
+from geoweave.inspection import KINDS, Inspection, Place, inspected
+from geoweave.weave import weave_pattern
+
+
+@cache
+def report() -> Inspection:
+    return inspected(weave_pattern(shapes.torus(faces=1500), scale=0.6).sized(200.0))
 
 
 def test_the_command_line_offers_the_command() -> None:
     assert cli.commands.commands["weave"] is weaving.weave
+
+
+def test_each_kind_of_place_has_its_words() -> None:
+    for kind in KINDS:
+        place = Place(kind, (1.0, 2.5, -3.0), ("A1", "B2"), 4.25)
+        one = dataclasses.replace(report(), places=(place, place._replace(value=9.0)))
+        text = weaving._worst(kind, one)
+        assert text.startswith("2 ")
+        assert "the worst, 4.25, at (1, 2.5, -3), A1 B2" in text

@@ -1,0 +1,109 @@
+"""The files that a weave is written to, all of them or none."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from contextlib import ExitStack, suppress
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+
+from geoweave.inspection import Inspection, inspected
+from geoweave.output import OutputError, check_writable, replacing
+from geoweave.ribbon_rods import file_of_rods, rods_of_ribbons
+from geoweave.rodfiles import RodFile, write_rods
+from geoweave.woven import Weave
+
+__all__ = ["FORMATS", "check_formats", "rod_file", "write_weave"]
+
+FORMATS = {
+    "json": "weave.json and report.json, which are always written",
+    "rod": "weave.rod, the ribbons as elastic rods for RibbonSim",
+}
+"""What a weave can be written as."""
+
+
+def check_formats(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the formats of these names, each once, in the order of `FORMATS`.
+
+    Raises
+    ------
+    OutputError
+        If there is no such format.
+    """
+    asked = [name.strip().lower() for name in names]
+    for name in asked:
+        if name not in FORMATS:
+            raise OutputError(
+                f"there is no format '{name}' for a weave; the formats are {', '.join(FORMATS)}"
+            )
+    return tuple(name for name in FORMATS if name in asked)
+
+
+def rod_file(weave: Weave) -> RodFile:
+    """Return a weave as elastic rods in the unit of the weave (`geoweave.ribbon_rods`).
+
+    Young's modulus and density are the defaults of the rods; the file does not say which ribbon lies above.
+    """
+    place, unit = weave.placement.undo, weave.placement.scale
+    rods = rods_of_ribbons(weave.ribbons, weave.interlacing.over, weave.width, weave.thickness)
+    content = file_of_rods(rods)
+    sized = (
+        replace(rod, centerline=place(rod.centerline), widths=unit * rod.widths, color=int(weave.families[r]))
+        for r, rod in enumerate(content.rods)
+    )
+    return replace(content, rods=tuple(sized), thickness=unit * content.thickness)
+
+
+def write_weave(
+    weave: Weave,
+    folder: str | PathLike[str],
+    formats: Iterable[str] = (),
+    report: Inspection | None = None,
+) -> dict[str, Path]:
+    """Write ``weave.json``, ``report.json`` and what else is asked for, all together or not at all.
+
+    Parameters
+    ----------
+    weave : the weave
+    folder : where to; it is made if it is not there, in a folder that is
+    formats : names from `FORMATS`
+    report : what `inspected` found; it is called if not given
+
+    Returns
+    -------
+    dict
+        Path of each file by its name.
+
+    Raises
+    ------
+    OutputError
+        If a format is unknown or a file cannot be written there.
+    RodError
+        If a rod cannot be made of a ribbon.
+    """
+    wanted = check_formats(formats)
+    texts = {
+        "weave.json": json.dumps(weave.document(), allow_nan=False) + "\n",
+        "report.json": json.dumps((report or inspected(weave)).document(), indent=1, allow_nan=False) + "\n",
+    }
+    rods = rod_file(weave) if "rod" in wanted else None
+    target = Path(folder)
+    new = not target.exists()
+    if new:
+        check_writable(target)
+        target.mkdir()
+    try:
+        # Every file is written under a temporary name before the first of them takes its place.
+        with ExitStack() as stack:
+            for name, text in texts.items():
+                stack.enter_context(replacing(target / name)).write_text(text, encoding="utf-8")
+            if rods is not None:
+                write_rods(stack.enter_context(replacing(target / "weave.rod")), rods)
+    except BaseException:
+        if new:
+            with suppress(OSError):
+                target.rmdir()
+        raise
+    return {name: target / name for name in (*texts, *(["weave.rod"] if rods is not None else []))}

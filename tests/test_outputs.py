@@ -1,0 +1,83 @@
+"""A weave is written whole or not at all, and its rods are the ribbons."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geoweave import outputs, shapes
+from geoweave.interlacing import Crossings
+from geoweave.output import OutputError
+from geoweave.outputs import FORMATS, check_formats, rod_file, write_weave
+from geoweave.rodfiles import read_rods
+from geoweave.weave import weave_pattern
+from geoweave.woven import Weave
+
+
+@cache
+def pattern() -> Weave:
+    return weave_pattern(shapes.torus(faces=1500), scale=0.6).sized(200.0, width=5.0, thickness=0.4)
+
+
+def test_every_file_is_there(tmp_path: Path) -> None:
+    files = write_weave(pattern(), tmp_path / "new", ["rod"])
+    assert sorted(files) == sorted(path.name for path in (tmp_path / "new").iterdir())
+    assert sorted(files) == ["report.json", "weave.json", "weave.rod"]
+    assert json.loads(files["weave.json"].read_text()) == json.loads(json.dumps(pattern().document()))
+    assert json.loads(files["report.json"].read_text())["counts"]["loose_end"] == 0
+    first = {name: path.read_bytes() for name, path in files.items()}
+    again = write_weave(pattern(), tmp_path / "new", FORMATS)
+    assert {name: path.read_bytes() for name, path in again.items()} == first
+    assert sorted(write_weave(pattern(), tmp_path / "plain")) == ["report.json", "weave.json"]
+
+
+def test_rods_are_the_ribbons_in_the_unit_of_the_weave(tmp_path: Path) -> None:
+    weave = pattern()
+    content = read_rods(write_weave(weave, tmp_path / "x", ["rod"])["weave.rod"])
+    curves, unit = weave.ribbons.curves, weave.placement.scale
+    assert content.thickness == pytest.approx(0.4)
+    assert [rod.closed for rod in content.rods] == curves.closed.tolist()
+    for rod, length in zip(content.rods, unit * curves.lengths, strict=True):
+        np.testing.assert_allclose(rod.widths, 5.0)
+        assert rod.lengths.sum() == pytest.approx(length, rel=0.02)  # chords of equal pieces
+    assert [rod.color for rod in content.rods] == weave.families.tolist()
+    placed, met = content.placed(), weave.ribbons.crossings
+    assert isinstance(placed, Crossings)
+    assert len(placed) <= len(met)
+    # the two places of a contact lie on each other, but for the chords
+    for one in content.crossings:
+        ends = []
+        for rod, segment, share in zip(one.rods, one.segments, one.places, strict=True):
+            line = content.rods[rod].centerline
+            ends.append((1 - share) * line[segment] + share * line[(segment + 1) % len(line)])
+        assert np.linalg.norm(ends[0] - ends[1]) < 0.05 * unit * weave.ribbons.spacing
+
+
+def test_nothing_is_left_where_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    old = write_weave(pattern(), tmp_path / "old")
+    before = {name: path.read_bytes() for name, path in old.items()}
+    monkeypatch.setattr(outputs, "write_rods", full)
+    for folder in ("old", "new"):
+        with pytest.raises(OutputError, match=r"weave.rod: cannot be written .No space left"):
+            write_weave(pattern().sized(100.0), tmp_path / folder, ["rod"])
+    assert not (tmp_path / "new").exists()
+    assert {path.name: path.read_bytes() for path in (tmp_path / "old").iterdir()} == before
+
+
+def test_what_cannot_be_written(tmp_path: Path) -> None:
+    assert check_formats(["ROD ", "json", "rod"]) == ("json", "rod")
+    with pytest.raises(OutputError, match="no format 'dwg' for a weave; the formats are json, rod"):
+        write_weave(pattern(), tmp_path / "x", ["dwg"])
+    with pytest.raises(OutputError, match="there is no folder"):
+        write_weave(pattern(), tmp_path / "no" / "where")
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OutputError, match="file"):
+        write_weave(pattern(), tmp_path / "file")
+    assert rod_file(pattern()).young > 0
