@@ -23,9 +23,8 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.memory import peak_gigabytes
-from geoweave import datasets, models, shapes
+from geoweave import datasets, models
 from geoweave.errors import GeoweaveError
-from geoweave.implicit import bumpy_box, crown, vessel
 from geoweave.prepare import Prepared, RepairReport, evened, read_mesh
 from geoweave.validity import violations
 from geoweave.weave import weave_pattern
@@ -81,15 +80,7 @@ CGAL = {
 POTPOURRI3D = {"bob_small": "1c70d963ad5483f0d1a5644d9564146334fcaef74683970a70f06c9beaac961f"}
 """sha256 of ``deps/geometry-central/test/assets/NAME.ply`` in the source distribution 1.4.0."""
 
-BUILT = {
-    "bumpy-box": bumpy_box,
-    "cone": shapes.cone,
-    "crown": crown,
-    "icosahedron": lambda: shapes.icosahedron(6_000),
-    "saddle": shapes.saddle,
-    "vessel": vessel,
-    **{name: model.build for name, model in models.MODELS.items() if model.build is not None},
-}
+BUILT = {name: model.build for name, model in models.MODELS.items() if model.build is not None}
 """Surfaces that we ship as formulas."""
 
 

@@ -73,6 +73,7 @@ def weave(
         raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
     from geoweave.inspection import inspected
     from geoweave.outputs import check_formats, write_weave
+    from geoweave.prepare import evened
     from geoweave.weave import weave_pattern
 
     wanted = check_formats(formats.split(","))
@@ -80,6 +81,9 @@ def weave(
     seconds: dict[str, float] = {}
     with status() as say, about(surface.name):
         prepared = prepared_surface(surface, seconds, say)
+        if surface.faces is None:
+            with timed(seconds, "remesh"):
+                prepared = evened(prepared, name=surface.name)
         pattern = weave_pattern(
             prepared.mesh,
             symmetry=symmetry,

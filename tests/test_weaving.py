@@ -1,7 +1,11 @@
 """The command that weaves is tested as a user runs it, in test_cli.py; here, its place and its table."""
 
 import dataclasses
+import json
 from functools import cache
+
+import pytest
+from meshfiles import sphere, write
 
 from geoweave import cli, shapes, weaving
 from geoweave.inspection import KINDS, Inspection, Place, inspected
@@ -24,3 +28,13 @@ def test_each_kind_of_place_has_its_words() -> None:
         text = weaving._worst(kind, one)
         assert text.startswith("2 ")
         assert "the worst, 4.25, at (1, 2.5, -3), A1 B2" in text
+
+
+def test_a_surface_of_few_triangles_is_remeshed_first(tmp_path, capfd: pytest.CaptureFixture[str]) -> None:
+    ball = write(tmp_path, "ball", "off", *sphere(3))
+    assert cli.main(["weave", str(ball), "--no-relax", "--json", "-o", str(tmp_path / "woven")]) == 0
+    result = json.loads(capfd.readouterr().out)
+    assert result["repairs"]["remeshed_from"] == 512
+    assert abs(result["faces"] - 4000) <= 2
+    assert result["ribbons"] > 50
+    assert (result["violations"], result["loose_ends"]) == (0, 0)
