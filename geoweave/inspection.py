@@ -404,7 +404,8 @@ def _distances(tree: BoxTree, points: Vectors, normals: Vectors) -> tuple[Scalar
 def _bare_components(weave: Weave) -> list[Place]:
     mesh = weave.mesh
     part = mesh.face_components
-    area = np.bincount(part, mesh.face_areas, mesh.n_components)
+    area = np.zeros(mesh.n_components)
+    np.add.at(area, part, mesh.face_areas)
     bare = np.setdiff1d(part, part[weave.ribbons.curves.faces])
     # A face of the component, so that the place is on the surface.
     first = np.unique(part, return_index=True)[1][bare]
