@@ -30,7 +30,8 @@ FORMAT, VERSION = "geoweave-report", 1
 
 KINDS = {
     "near_parallel": "crossings at a small angle; value: the angle, degrees",
-    "alongside": "ribbons that run side by side and overlap; value: the distance of their centrelines",
+    "alongside": "ribbons that run side by side and overlap; value: the length of the stretch",
+    "lap": "ends that lie on each other, one ribbon going on where the other stops; value: the length",
     "crowded": "crossings next to each other that overlap; value: the width that would fit between them",
     "gap": "holes; value: how far their middle is from the nearest ribbon",
     "loose_end": "ends that nothing holds; value: the length beyond the last crossing",
@@ -283,7 +284,10 @@ def _loose_ends(weave: Weave) -> list[Place]:
 
 
 def _alongside(weave: Weave, limit: float) -> list[Place]:
-    """Stretches on which two strands run near parallel with less than a width between their centrelines."""
+    """Stretches on which two strands run near parallel with less than a width between their centrelines.
+
+    Where one ends and the other begins, the two lap.
+    """
     ribbons, width = weave.ribbons, weave.width
     step = max(0.5 * width, STEP * ribbons.spacing)
     where, at, owner, heading, up = _samples(ribbons.curves, step)
@@ -314,10 +318,23 @@ def _alongside(weave: Weave, limit: float) -> list[Place]:
     span = np.stack([at[a][start], at[a][np.append(start[1:], len(a)) - 1]], axis=1)
     worst = np.lexsort((distance, run))[start]
     told = _holds_small_crossing(weave, pair[start], span, 2.0 * step, limit)
-    worst = worst[~told]
+    tips = []
+    for side, place in enumerate((at[a], at[b])):
+        ribbon = pair[start, side]
+        low, high = np.minimum.reduceat(place, start), np.maximum.reduceat(place, start)
+        opened, rest = ~ribbons.curves.closed[ribbon], ribbons.curves.lengths[ribbon] - high
+        tips.append((opened & (low <= step) & (rest > step), opened & (rest <= step) & (low > step)))
+    (start_a, end_a), (start_b, end_b) = tips
+    along = (heading[a[start]] * heading[b[start]]).sum(axis=1) > 0
+    ends = np.where(along, (start_a & end_b) | (end_a & start_b), (start_a & start_b) | (end_a & end_b))
     middle = 0.5 * (where[a[worst]] + where[b[worst]])
     owners = [tuple(dict.fromkeys(two)) for two in pair[worst].tolist()]
-    return _places(weave, "alongside", middle, owners, distance[worst] * weave.placement.scale, True)
+    lengths = (span[:, 1] - span[:, 0] + step) * weave.placement.scale
+    found = []
+    for kind, kept in (("alongside", ~told & ~ends), ("lap", ~told & ends)):
+        which = np.flatnonzero(kept)
+        found += _places(weave, kind, middle[which], [owners[k] for k in which], lengths[which], False)
+    return found
 
 
 def _holds_small_crossing(weave: Weave, pair: Indices, span: Scalars, margin: float, limit: float) -> Flags:

@@ -179,6 +179,7 @@ def _worst(kind: str, report: Inspection) -> str:
     what = {
         "near_parallel": f"crossings below {report.limits.angle:g} degrees",
         "alongside": "stretches where ribbons lie on each other side by side",
+        "lap": "pairs of ends that lie on each other, one going on where the other stops",
         "crowded": "places where crossings overlap",
         "gap": f"holes with more than {report.limits.gap:g} spacings to any ribbon",
         "loose_end": "loose ends",

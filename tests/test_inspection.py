@@ -126,14 +126,24 @@ def test_a_small_angle_is_told_once_with_its_place_in_the_unit_of_the_output() -
     assert not of_kind(found, "alongside")
 
 
-def test_ribbons_on_top_of_each_other_are_told_with_their_distance() -> None:
+def test_ribbons_on_top_of_each_other_are_told_with_the_length_of_the_stretch() -> None:
     lines = [(0, 0.0, 0.02), (0, 0.0, 0.03), (0, 0.0, 0.2), (90, 0.31, 0.0), (90, -0.31, 0.0)]
     found = inspected(laid(lines, width=0.03))
     (place,) = of_kind(found, "alongside")
-    assert place.value == pytest.approx(0.01)
+    assert place.value == pytest.approx(2.0, abs=0.02)
     assert place.ribbons == ("A1", "A2")
     assert place.point[1] == pytest.approx(0.025)
     assert not of_kind(inspected(laid(lines, width=0.009)), "alongside")
+
+
+def test_ends_that_go_on_in_each_other_are_told_apart() -> None:
+    lines = [(0, -0.56, 0.02), (0, 0.56, 0.022), (90, 0.31, 0.0), (90, -0.31, 0.0)]
+    found = inspected(laid(lines, width=0.04, length=0.6))
+    (place,) = of_kind(found, "lap")
+    assert place.value == pytest.approx(0.08, abs=0.03)
+    assert place.point == pytest.approx((0.0, 0.021, 0.0), abs=0.05)
+    assert place.ribbons == ("A1", "A2")
+    assert not of_kind(found, "alongside")
 
 
 def test_both_sides_of_a_thin_wall_do_not_see_each_other() -> None:
