@@ -7,207 +7,26 @@ The module knows matrices and never meshes.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TypeAlias
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars
 from geoweave.compiled import compiled
+from geoweave.elimination import Matrix, Symbolic, analysed, upper_triangle
 from geoweave.errors import GeoweaveError
 
-Matrix: TypeAlias = sparse.csr_array | sparse.csc_array | sparse.dia_array
+__all__ = ["NotDefiniteError", "Symbolic", "analysed", "factor", "solve"]
 
 PANEL = 48
 """Rows that dense products take at a time; narrower blocks are worked through entry by entry."""
 
+NARROW = 8
+"""Columns up to which a supernode is worked through entry by entry: a dense product costs more to call."""
+
 
 class NotDefiniteError(GeoweaveError):
     """The matrix is not positive definite to working precision."""
-
-
-@dataclass(frozen=True, eq=False)
-class Symbolic:
-    """Where the entries of the factor will be: depends on the pattern and its order alone.
-
-    Attributes
-    ----------
-    order : (n,) row ``order[k]`` of the matrix is eliminated in step k
-    first : (S + 1,) first column of each supernode; its columns are consecutive
-    rows, row_start : rows of each supernode's block, its own columns first, ascending; and where they begin
-    parent : (S,) supernode that takes what a supernode leaves behind, -1 for a root
-    block_start : (S + 1,) where each block begins among the factor's entries
-    """
-
-    order: Indices
-    first: Indices
-    rows: Indices
-    row_start: Indices
-    parent: Indices
-    block_start: Indices
-    workspace: int
-
-    @property
-    def fill(self) -> int:
-        """Entries that the factor stores."""
-        return int(self.block_start[-1])
-
-
-@compiled
-def _tree(n: int, start: Indices, index: Indices) -> Indices:
-    """Elimination tree of a symmetric pattern given by its upper triangle, column by column (Liu 1986)."""
-    parent = np.full(n, -1, dtype=np.int64)
-    ancestor = np.full(n, -1, dtype=np.int64)
-    for k in range(n):
-        for p in range(start[k], start[k + 1]):
-            i = index[p]
-            while i != -1 and i < k:
-                following = ancestor[i]
-                ancestor[i] = k
-                if following == -1:
-                    parent[i] = k
-                i = following
-    return parent
-
-
-@compiled
-def _postorder(parent: Indices) -> Indices:
-    """Nodes of a forest, children before parents, subtrees in one piece."""
-    n = len(parent)
-    head = np.full(n, -1, dtype=np.int64)
-    after = np.full(n, -1, dtype=np.int64)
-    for k in range(n - 1, -1, -1):
-        if parent[k] != -1:
-            after[k] = head[parent[k]]
-            head[parent[k]] = k
-    order = np.empty(n, dtype=np.int64)
-    stack = np.empty(n, dtype=np.int64)
-    count = 0
-    for root in range(n):
-        if parent[root] != -1:
-            continue
-        top = 0
-        stack[0] = root
-        while top >= 0:
-            node = stack[top]
-            child = head[node]
-            if child == -1:
-                order[count] = node
-                count += 1
-                top -= 1
-            else:
-                head[node] = after[child]
-                top += 1
-                stack[top] = child
-    return order
-
-
-@compiled
-def _counts(n: int, start: Indices, index: Indices, parent: Indices) -> Indices:
-    """Entries in each column of the factor, the diagonal included: by walking the row subtrees."""
-    count = np.ones(n, dtype=np.int64)
-    mark = np.full(n, -1, dtype=np.int64)
-    for k in range(n):
-        mark[k] = k
-        for p in range(start[k], start[k + 1]):
-            i = index[p]
-            while i < k and mark[i] != k:
-                mark[i] = k
-                count[i] += 1
-                i = parent[i]
-    return count
-
-
-@compiled
-def _supernodes(parent: Indices, count: Indices, relax: float) -> Indices:
-    """First columns of the supernodes: chains of the tree with nested patterns, and small ones merged."""
-    n = len(parent)
-    first = np.empty(n + 1, dtype=np.int64)
-    used = 0
-    zeros = 0.0
-    for k in range(n):
-        joined = False
-        if k > 0 and parent[k - 1] == k:
-            extra = count[k] + 1 - count[k - 1]
-            width = k - first[used - 1]
-            # Columns of one chain may differ by a few rows: the zeros stored are cheaper than small blocks.
-            waste = zeros + extra * width
-            total = 0.5 * (width + 1) * (width + 1) + count[k] * (width + 1.0)
-            if extra == 0 or (waste <= relax * total and width < 256):
-                joined = True
-                zeros = waste
-        if not joined:
-            first[used] = k
-            used += 1
-            zeros = 0.0
-    first[used] = n
-    return first[: used + 1]
-
-
-@compiled
-def _patterns(
-    first: Indices, start: Indices, index: Indices, room: int
-) -> tuple[Indices, Indices, Indices, int]:
-    """Rows of each supernode and the supernode tree, from the lower triangle of the matrix by columns."""
-    count = len(first) - 1
-    n = first[count]
-    owner = np.empty(n, dtype=np.int64)
-    for s in range(count):
-        owner[first[s] : first[s + 1]] = s
-    rows = np.empty(room, dtype=np.int64)
-    row_start = np.zeros(count + 1, dtype=np.int64)
-    parent = np.full(count, -1, dtype=np.int64)
-    head = np.full(count, -1, dtype=np.int64)
-    after = np.full(count, -1, dtype=np.int64)
-    mark = np.full(n, -1, dtype=np.int64)
-    largest = 0
-    used = 0
-    for s in range(count):
-        low, high = first[s], first[s + 1]
-        for j in range(low, high):
-            mark[j] = s
-        begin = used
-        used += high - low
-        need = used
-        for j in range(low, high):
-            need += start[j + 1] - start[j]
-        child = head[s]
-        while child != -1:
-            need += row_start[child + 1] - row_start[child]
-            child = after[child]
-        if need > len(rows):
-            more = np.empty(2 * need, dtype=np.int64)
-            more[:begin] = rows[:begin]
-            rows = more
-        for j in range(low, high):
-            rows[begin + j - low] = j
-        for j in range(low, high):
-            for p in range(start[j], start[j + 1]):
-                i = index[p]
-                if i >= high and mark[i] != s:
-                    mark[i] = s
-                    rows[used] = i
-                    used += 1
-        child = head[s]
-        while child != -1:
-            for p in range(row_start[child], row_start[child + 1]):
-                i = rows[p]
-                if i >= high and mark[i] != s:
-                    mark[i] = s
-                    rows[used] = i
-                    used += 1
-            child = after[child]
-        below = begin + high - low
-        rows[below:used] = np.sort(rows[below:used])
-        row_start[s + 1] = used
-        if used > below:
-            parent[s] = owner[rows[below]]
-            after[s] = head[parent[s]]
-            head[parent[s]] = s
-        largest = max(largest, used - begin)
-    return rows[:used].copy(), row_start, parent, largest
 
 
 @compiled
@@ -231,6 +50,7 @@ def _factor(
     place = np.empty(first[count], dtype=np.int64)
     # Updates wait on a stack: postorder makes the last ones those of the children.
     stack = np.empty(4 * largest * largest, dtype=np.float64)
+    room = np.empty(largest * largest, dtype=np.float64)
     top = 0
     waiting = np.empty(count, dtype=np.int64)
     waiting_count = 0
@@ -241,10 +61,11 @@ def _factor(
         size = end - begin
         for p in range(begin, end):
             place[rows[p]] = p - begin
-        front = np.zeros((size, size), dtype=np.float64)
+        for k in range(size * size):
+            room[k] = 0.0
         for j in range(low, high):
             for p in range(start[j], start[j + 1]):
-                front[place[index[p]], j - low] += value[p]
+                room[place[index[p]] * size + j - low] += value[p]
         while waiting_count > 0 and parent[waiting[waiting_count - 1]] == s:
             waiting_count -= 1
             child = waiting[waiting_count]
@@ -252,41 +73,70 @@ def _factor(
             m = row_start[child + 1] - begin_c
             top -= m * m
             for a in range(m):
-                line = front[place[rows[begin_c + a]]]
+                line = place[rows[begin_c + a]] * size
                 for b in range(a + 1):
-                    line[place[rows[begin_c + b]]] += stack[top + a * m + b]
-        diagonal = np.empty((width, width), dtype=np.float64)
-        for b in range(width):
-            for a in range(b, width):
-                diagonal[a, b] = front[a, b]
-                diagonal[b, a] = front[a, b]
-        inverse = np.empty((width, width), dtype=np.float64)
-        bad = _inverse_factor(diagonal, inverse)
+                    room[line + place[rows[begin_c + b]]] += stack[top + a * m + b]
+        m = size - width
+        if m > 0 and top + m * m > len(stack):
+            more = np.empty(2 * (top + m * m), dtype=np.float64)
+            more[:top] = stack[:top]
+            stack = more
+        front = room[: size * size].reshape((size, size))
+        block = entries[block_start[s] : block_start[s] + width * size].reshape((size, width))
+        bad = _eliminate(front, block, stack[top : top + m * m])
         if bad >= 0:
             return low + bad
-        out = block_start[s]
-        for a in range(width):
-            for b in range(width):
-                entries[out + a * width + b] = inverse[a, b]
-        m = size - width
         if m > 0:
-            below = np.ascontiguousarray(front[width:, :width])
-            solved = np.dot(below, np.ascontiguousarray(inverse.T))
-            entries[out + width * width : out + width * size] = solved.ravel()
-            if top + m * m > len(stack):
-                more = np.empty(2 * (top + m * m), dtype=np.float64)
-                more[:top] = stack[:top]
-                stack = more
-            # Only the lower triangle is wanted: row panels, each against the rows up to its end.
-            for panel in range(0, m, PANEL):
-                stop = min(m, panel + PANEL)
-                update = np.dot(solved[panel:stop], solved[:stop].T)
-                for a in range(panel, stop):
-                    for b in range(a + 1):
-                        stack[top + a * m + b] = front[width + a, width + b] - update[a - panel, b]
             top += m * m
             waiting[waiting_count] = s
             waiting_count += 1
+    return -1
+
+
+@compiled
+def _eliminate(front: NDArray[np.float64], block: NDArray[np.float64], left: Scalars) -> int:
+    """Eliminate the first columns of a front: their block of the factor, and the (m m) update that is left.
+
+    Returns the first column at which the front was not definite, or -1. Only lower triangles count.
+    """
+    size, width = block.shape
+    m = size - width
+    diagonal = np.empty((width, width), dtype=np.float64)
+    for b in range(width):
+        for a in range(b, width):
+            diagonal[a, b] = front[a, b]
+            diagonal[b, a] = front[a, b]
+    inverse = np.empty((width, width), dtype=np.float64)
+    bad = _inverse_factor(diagonal, inverse)
+    if bad >= 0:
+        return bad
+    block[:width] = inverse
+    if width <= NARROW:
+        column = np.empty(m, dtype=np.float64)
+        for a in range(m):
+            for b in range(a + 1):
+                left[a * m + b] = front[width + a, width + b]
+        for k in range(width):
+            for a in range(m):
+                total = 0.0
+                for j in range(k + 1):
+                    total += front[width + a, j] * inverse[k, j]
+                column[a] = total
+                block[width + a, k] = total
+            for a in range(m):
+                share = column[a]
+                for b in range(a + 1):
+                    left[a * m + b] -= share * column[b]
+    elif m > 0:
+        solved = np.dot(np.ascontiguousarray(front[width:, :width]), np.ascontiguousarray(inverse.T))
+        block[width:] = solved
+        # Only the lower triangle is wanted: row panels, each against the rows up to its end.
+        for panel in range(0, m, PANEL):
+            stop = min(m, panel + PANEL)
+            update = np.dot(solved[panel:stop], solved[:stop].T)
+            for a in range(panel, stop):
+                for b in range(a + 1):
+                    left[a * m + b] = front[width + a, width + b] - update[a - panel, b]
     return -1
 
 
@@ -348,12 +198,27 @@ def _solve(
     entries: Scalars,
     x: Scalars,
 ) -> None:
-    """Solve L L' x = b in place, supernode by supernode."""
+    """Solve L L' x = b in place, supernode by supernode; narrow ones entry by entry."""
     count = len(first) - 1
+    part = np.empty(NARROW, dtype=np.float64)
     for s in range(count):
         low, width = first[s], first[s + 1] - first[s]
         begin, size = row_start[s], row_start[s + 1] - row_start[s]
         out = block_start[s]
+        if width <= NARROW:
+            for a in range(width):
+                total = 0.0
+                for b in range(a + 1):
+                    total += entries[out + a * width + b] * x[low + b]
+                part[a] = total
+            for a in range(width):
+                x[low + a] = part[a]
+            for a in range(width, size):
+                total = 0.0
+                for b in range(width):
+                    total += entries[out + a * width + b] * part[b]
+                x[rows[begin + a]] -= total
+            continue
         block = entries[out : out + width * size].reshape((size, width))
         own = np.dot(block[:width], x[low : low + width])
         x[low : low + width] = own
@@ -365,6 +230,19 @@ def _solve(
         low, width = first[s], first[s + 1] - first[s]
         begin, size = row_start[s], row_start[s + 1] - row_start[s]
         out = block_start[s]
+        if width <= NARROW:
+            for b in range(width):
+                part[b] = x[low + b]
+            for a in range(width, size):
+                share = x[rows[begin + a]]
+                for b in range(width):
+                    part[b] -= share * entries[out + a * width + b]
+            for b in range(width):
+                total = 0.0
+                for a in range(b, width):
+                    total += entries[out + a * width + b] * part[a]
+                x[low + b] = total
+            continue
         block = entries[out : out + width * size].reshape((size, width))
         own = x[low : low + width].copy()
         if size > width:
@@ -375,33 +253,6 @@ def _solve(
         x[low : low + width] = np.dot(own, block[:width])
 
 
-def analysed(matrix: Matrix, order: Indices) -> Symbolic:
-    """Find the supernodes of a symmetric pattern in a given elimination order."""
-    n = matrix.shape[0]
-    permuted = _triangle(matrix, order)
-    tree = _tree(n, permuted.indptr.astype(np.int64), permuted.indices.astype(np.int64))
-    post = _postorder(tree)
-    order = order[post]
-    upper = _triangle(matrix, order)
-    start, index = upper.indptr.astype(np.int64), upper.indices.astype(np.int64)
-    tree = _tree(n, start, index)
-    counts = _counts(n, start, index, tree)
-    first = _supernodes(tree, counts, 0.2)
-    lower = upper.T.tocsc()
-    lower.sort_indices()
-    rows, row_start, parent, largest = _patterns(
-        first, lower.indptr.astype(np.int64), lower.indices.astype(np.int64), 4 * n
-    )
-    block_start = np.concatenate([[0], np.cumsum(np.diff(first) * np.diff(row_start))])
-    return Symbolic(order, first, rows, row_start, parent, block_start, int(largest))
-
-
-def _triangle(matrix: Matrix, order: Indices) -> sparse.csc_array:
-    """Upper triangle of the permuted matrix, by columns."""
-    permuted = sparse.csc_array(matrix)[order][:, order]
-    return sparse.triu(permuted, format="csc")
-
-
 def factor(matrix: Matrix, symbolic: Symbolic) -> Scalars:
     """Entries of the Cholesky factor of a positive definite matrix whose pattern was analysed.
 
@@ -410,12 +261,19 @@ def factor(matrix: Matrix, symbolic: Symbolic) -> Scalars:
     NotDefiniteError
         If a pivot is not positive.
     """
-    lower = sparse.csc_array(_triangle(matrix, symbolic.order).T)
+    csr = sparse.csr_array(matrix)
+    start, rows = symbolic.lower_start, symbolic.lower_rows
+    if symbolic.fits(csr):
+        values = csr.data[symbolic.place]
+    else:
+        # Some entries are missing; the others find their places by themselves.
+        upper, place = upper_triangle(csr, symbolic.order)
+        lower = sparse.csc_array(sparse.csc_array((csr.data[place], upper.indices, upper.indptr)).T)
+        start, rows, values = lower.indptr.astype(np.int64), lower.indices.astype(np.int64), lower.data
     entries = np.empty(symbolic.fill)
     bad = _factor(
         symbolic.first, symbolic.rows, symbolic.row_start, symbolic.parent, symbolic.block_start,
-        lower.indptr.astype(np.int64), lower.indices.astype(np.int64), lower.data, entries,
-        symbolic.workspace,
+        start, rows, np.asarray(values, dtype=np.float64), entries, symbolic.workspace,
     )  # fmt: skip
     if bad >= 0:
         raise NotDefiniteError(f"row {int(symbolic.order[bad])} makes the matrix indefinite")

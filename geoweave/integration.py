@@ -7,18 +7,16 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy import sparse
 
 from geoweave.alignment import Alignment, alignment
-from geoweave.arrays import Complexes, Scalars, frozen
-from geoweave.circle import CircleFunction, wrapped
+from geoweave.alternation import Alternation, along_edges
+from geoweave.arrays import Scalars, frozen
+from geoweave.circle import CircleFunction
 from geoweave.errors import FieldError, MeshError
 from geoweave.fields import FaceField
-from geoweave.linalg import Ordering, bounded_minimum, factorized, nested_dissection, one_blas_thread
-from geoweave.mesh import TriMesh
-from geoweave.operators import as_complex, as_real, face_laplacian
+from geoweave.linalg import Ordering, one_blas_thread
 from geoweave.part import Part, part_of
-from geoweave.rescaling import Method, component_means, integrating_factor, perpendicular
+from geoweave.rescaling import Method, component_means, integrating_factor, vertices_and_faces
 from geoweave.singularities import vertex_indices
 
 Weighting: TypeAlias = Literal["relative", "uniform"]
@@ -29,18 +27,6 @@ SMOOTHNESS = 1e-4
 
 QUANTILE = 0.95
 """Share of the edges on which theta turns by no more than half a turn at scale 1; the paper's is 1."""
-
-EIGENVALUE_TOLERANCE = 1e-4
-"""Relative change of the smallest eigenvalue at which inverse iteration ends."""
-
-LEAST_COTANGENT = 0.02
-"""Floor of the cotangent weights: half the cotangent of an angle of 88 degrees."""
-
-LEAST_COSINE = 0.1
-"""The quadratic model of ``1 - cos`` stays at least so convex."""
-
-FLOOR = 0.2
-"""s stays above this share of its first value."""
 
 LEAST_FREQUENCY = 0.2
 """theta that changes by less than this share of what s asks for is no foliation."""
@@ -128,7 +114,7 @@ def global_scale(field: FaceField, s: Scalars, quantile: float = 1.0) -> float:
     """
     if not 0 < quantile <= 1:
         raise FieldError(f"the quantile of the global scale must be a share in (0, 1], not {quantile}")
-    turn = np.abs(s[:, None] * _along(field))
+    turn = np.abs(s[:, None] * along_edges(field))
     return float(np.pi / np.quantile(turn, quantile))
 
 
@@ -190,11 +176,12 @@ def foliate(
     if weighting not in ("relative", "uniform"):
         raise FieldError(f"there is no weighting '{weighting}': relative or uniform")
     w, part = punctured(field)
-    first = _first_factor(w, part, rescaling)
+    ordering = vertices_and_faces(w.mesh)
+    first = _first_factor(w, part, rescaling, ordering)
     s = scale * global_scale(w, first, quantile) * first
     unit = s if weighting == "relative" else component_means(w.mesh, s)[w.mesh.face_components]
     with one_blas_thread():
-        problem = _Alternation(w, s, unit, smoothness * field.mesh.bounding_radius**2)
+        problem = Alternation(w, s, unit, smoothness * field.mesh.bounding_radius**2, ordering)
         z, theta = problem.eigenvector(problem.start(seed), None, s)
         energies = [problem.energy(theta, s)]
         searching = True
@@ -228,11 +215,13 @@ def foliate(
     return Foliation(w, part, frozen(s), circle, tuple(energies), tuple(theta_changes), tuple(s_changes))
 
 
-def _first_factor(w: FaceField, part: Part, rescaling: Method | Scalars | None) -> Scalars:
+def _first_factor(
+    w: FaceField, part: Part, rescaling: Method | Scalars | None, ordering: Ordering
+) -> Scalars:
     if rescaling is None:
         return np.ones(w.mesh.n_faces)
     if isinstance(rescaling, str):
-        s = integrating_factor(w, method=rescaling).s
+        s = integrating_factor(w, method=rescaling, ordering=ordering).s
         # Eq. 7 may come out with faces of the wrong sign; theta needs a positive factor everywhere.
         return np.maximum(s, LEAST_FIRST * float(np.median(s)))
     s = np.asarray(rescaling, dtype=np.float64)
@@ -249,183 +238,6 @@ def _first_factor(w: FaceField, part: Part, rescaling: Method | Scalars | None) 
 def edge_prediction(field: FaceField, s: Scalars) -> Scalars:
     """(E,) change of theta expected along each edge, ``s w-perp . e``, the mean of its faces', radians."""
     mesh = field.mesh
-    turn = s[:, None] * _along(field) * mesh.form_signs
+    turn = s[:, None] * along_edges(field) * mesh.form_signs
     total = np.bincount(mesh.face_edges.ravel(), turn.ravel(), mesh.n_edges)
     return np.asarray(total / np.bincount(mesh.face_edges.ravel(), minlength=mesh.n_edges))
-
-
-def _along(field: FaceField) -> Scalars:
-    """(F, 3) ``w-perp . e`` on the half-edge opposite each corner."""
-    return np.asarray((perpendicular(field).conj()[:, None] * field.mesh.halfedge_vectors).real)
-
-
-def _cotangents(mesh: TriMesh) -> Scalars:
-    """(F, 3) half the cotangent of each corner, the weight of the half-edge opposite, kept positive."""
-    h = mesh.halfedge_vectors
-    at_corner = -(h[:, [1, 2, 0]].conj() * h[:, [2, 0, 1]]).real
-    return np.maximum(at_corner / (4.0 * mesh.face_areas[:, None]), LEAST_COTANGENT)
-
-
-class _Alternation:
-    """The two steps of Eq. 8 on one surface, with what they share: weights, orderings, the masses."""
-
-    def __init__(self, field: FaceField, first: Scalars, unit: Scalars, smoothness: float) -> None:
-        mesh = field.mesh
-        self.mesh, self.unit, self.smoothness = mesh, unit, smoothness
-        self.least = FLOOR * first / unit
-        self.along = _along(field)
-        self.slope = unit[:, None] * self.along
-        self.weight = _cotangents(mesh) / unit[:, None] ** 2
-        self.tail, self.head = mesh.faces[:, [1, 2, 0]].ravel(), mesh.faces[:, [2, 0, 1]].ravel()
-        self.tail_sign = mesh.corner_signs[:, [1, 2, 0]].ravel()
-        self.head_sign = mesh.corner_signs[:, [2, 0, 1]].ravel()
-        self.between = self.tail_sign * self.head_sign
-        self.twisted = bool((self.between < 0).any())
-        mass = np.repeat(mesh.face_areas / unit**2, 3) / 3.0
-        self.mass = np.bincount(mesh.faces.ravel(), mass, mesh.n_vertices)
-        self.component = mesh.vertex_components
-        self.laplacian = face_laplacian(mesh)
-        self.face_ordering = nested_dissection(self.laplacian)
-        self.vertex_ordering: Ordering | None = None
-        self.joint_ordering: Ordering | None = None
-
-    def start(self, seed: int) -> Complexes:
-        noise = np.random.default_rng(seed).normal(size=(2, self.mesh.n_vertices))
-        return np.asarray(noise[0] + 1j * noise[1])
-
-    def residual(self, theta: Scalars, s: Scalars) -> Scalars:
-        """(F, 3) ``theta_b - theta_a - s_i w-perp_i . e_ab``, radians, any representative."""
-        rise = self.head_sign * theta[self.head] - self.tail_sign * theta[self.tail]
-        return np.asarray(rise.reshape(-1, 3) - s[:, None] * self.along)
-
-    def energy(self, theta: Scalars, s: Scalars) -> float:
-        share = s / self.unit
-        smooth = 0.5 * self.smoothness * share @ (self.laplacian @ share)
-        return float((self.weight * (1.0 - np.cos(self.residual(theta, s)))).sum() + smooth)
-
-    def theta_change(self, before: Scalars, after: Scalars) -> float:
-        """Root mean square change of theta, after the best constant on each component: 0 or pi if twisted."""
-        turn = np.exp(1j * (after - before)) * self.mass
-        mean = np.bincount(self.component, turn.real) + 1j * np.bincount(self.component, turn.imag)
-        mean = np.where(self.mesh.twisted_components, mean.real, mean)
-        left = wrapped(after - before - np.angle(mean)[self.component])
-        return float(np.sqrt(np.average(left**2, weights=self.mass)))
-
-    def _assembled(self, weight: Scalars, entries: Complexes | Scalars) -> sparse.csr_array:
-        """``sum weight |z_b - turn z_a|^2`` as a Hermitian matrix, ``entries = weight turn``."""
-        n = self.mesh.n_vertices
-        off = sparse.coo_array((-entries, (self.head, self.tail)), shape=(n, n)).tocsr()
-        diagonal = np.bincount(self.head, weight, n) + np.bincount(self.tail, weight, n)
-        # A constant is in the kernel of the real matrix, and nearly in that of the Hermitian one.
-        shift = 1e-7 * float(diagonal.mean()) * self.mass / float(self.mass.mean())
-        return sparse.csr_array(off + off.conj().T + sparse.diags_array(diagonal + shift))
-
-    def _turned(self, s: Scalars) -> sparse.csr_array:
-        """``sum weight |u_b - exp(i s w-perp . e) u_a|^2``, u = z or its conjugate as the corner's sign says.
-
-        Hermitian in z, (V, V), where all signs agree; otherwise a real matrix (2V, 2V), as it couples z to
-        the conjugates of its neighbours too.
-        """
-        weight = self.weight.ravel()
-        turn = weight * np.exp(1j * self.head_sign * (s[:, None] * self.along).ravel())
-        if not self.twisted:
-            return self._assembled(weight, turn)
-        # conj(z_b) c z_a, or conj(z_b) c conj(z_a), in real and imaginary parts.
-        blocks = np.stack([turn.real, -self.between * turn.imag, turn.imag, self.between * turn.real], axis=1)
-        rows = 2 * self.head[:, None] + [0, 0, 1, 1]
-        columns = 2 * self.tail[:, None] + [0, 1, 0, 1]
-        size = 2 * self.mesh.n_vertices
-        off = sparse.coo_array((-blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)).tocsr()
-        plain = self._assembled(weight, weight).diagonal()
-        return sparse.csr_array(off + off.T + sparse.diags_array(np.repeat(plain, 2)))
-
-    def _ordering(self) -> Ordering:
-        if self.vertex_ordering is None:
-            weight = self.weight.ravel()
-            self.vertex_ordering = nested_dissection(self._assembled(weight, weight))
-        return self.vertex_ordering
-
-    def eigenvector(self, z: Complexes, theta: Scalars | None, s: Scalars) -> tuple[Complexes, Scalars]:
-        """Inverse iteration for the smallest eigenvector at s; its angles replace theta if that pays."""
-        matrix, ordering = self._turned(s), self._ordering()
-        factors = factorized(matrix, ordering.repeated(2) if self.twisted else ordering)
-        quotient = np.inf
-        for _ in range(60):
-            right = self.mass * z
-            z = as_complex(factors.solve(as_real(right))) if self.twisted else factors.solve(right)
-            z = z / np.sqrt(np.bincount(self.component, self.mass * np.abs(z) ** 2))[self.component]
-            image = np.asarray(as_complex(matrix @ as_real(z)) if self.twisted else matrix @ z)
-            last, quotient = quotient, float((z.conj() @ image).real)
-            if last - quotient < EIGENVALUE_TOLERANCE * quotient:
-                break
-        found = np.angle(z)
-        better = theta is None or self.energy(found, s) < self.energy(theta, s)
-        return z, found if better or theta is None else theta
-
-    def _model(self, theta: Scalars, s: Scalars) -> tuple[Scalars, Scalars, Scalars]:
-        """Convex weights (F, 3) of the quadratic model, the way downhill in theta (V,), in s / shat (F,)."""
-        residual, n = self.residual(theta, s), self.mesh.n_vertices
-        convex = self.weight * np.maximum(np.cos(residual), LEAST_COSINE)
-        pull = self.weight * np.sin(residual)
-        in_theta = np.bincount(self.tail, self.tail_sign * pull.ravel(), n)
-        in_theta -= np.bincount(self.head, self.head_sign * pull.ravel(), n)
-        in_share = (pull * self.slope).sum(axis=1) - self.smoothness * (self.laplacian @ (s / self.unit))
-        return convex, np.asarray(in_theta, dtype=np.float64), np.asarray(in_share)
-
-    def improve_theta(self, theta: Scalars, s: Scalars) -> Scalars:
-        """One Gauss-Newton step of Eq. 8 in theta alone."""
-        convex, in_theta, _ = self._model(theta, s)
-        matrix = self._assembled(convex.ravel(), self.between * convex.ravel())
-        step = factorized(matrix, self._ordering()).solve(in_theta)
-        length = _damping(lambda length: self.energy(theta + length * step, s))
-        return theta + length * step
-
-    def improve_both(self, theta: Scalars, s: Scalars) -> tuple[Scalars, Scalars]:
-        """One Gauss-Newton step of Eq. 8 in theta and s together; s stays above its floor."""
-        mesh, share = self.mesh, s / self.unit
-        n = mesh.n_vertices
-        convex, in_theta, in_share = self._model(theta, s)
-        # A face at its floor that would go below it stays where it is.
-        free = sparse.diags_array(((share > self.least * (1 + 1e-9)) | (in_share > 0)).astype(np.float64))
-        held = sparse.diags_array(1.0 - free.diagonal())
-        face = np.tile(np.repeat(np.arange(mesh.n_faces), 3), 2)
-        mixed = (-convex * self.slope).ravel()
-        cross = sparse.csr_array(
-            (
-                np.concatenate([self.head_sign * mixed, -self.tail_sign * mixed]),
-                (np.concatenate([self.head, self.tail]), face),
-            ),
-            shape=(n, mesh.n_faces),
-        )
-        lower = sparse.diags_array((convex * self.slope**2).sum(axis=1)) + self.smoothness * self.laplacian
-        upper = self._assembled(convex.ravel(), self.between * convex.ravel())
-        cross, lower = cross @ free, free @ lower @ free + held
-        matrix = sparse.csr_array(sparse.block_array([[upper, cross], [cross.T, lower]], format="csr"))
-        self.joint_ordering = self.joint_ordering or nested_dissection(matrix)
-        step = factorized(matrix, self.joint_ordering).solve(np.concatenate([in_theta, free @ in_share]))
-
-        def at(length: float) -> tuple[Scalars, Scalars]:
-            return theta + length * step[:n], self.unit * np.maximum(share + length * step[n:], self.least)
-
-        return at(_damping(lambda length: self.energy(*at(length))))
-
-    def improve_s(self, theta: Scalars, s: Scalars) -> Scalars:
-        """One Gauss-Newton step of Eq. 8 in s alone, to the best s above its floor."""
-        share = s / self.unit
-        stiffness = (self.weight * self.slope**2).sum(axis=1)
-        matrix = sparse.csr_array(sparse.diags_array(stiffness) + self.smoothness * self.laplacian)
-        _, _, in_share = self._model(theta, s)
-        # The model 1/2 r' K r - (K share + downhill)' r, minimised over r >= least.
-        best = bounded_minimum(matrix, matrix @ share + in_share, self.least, self.face_ordering)
-        length = _damping(lambda length: self.energy(theta, self.unit * (share + length * (best - share))))
-        return np.asarray(self.unit * (share + length * (best - share)))
-
-
-def _damping(energy: Callable[[float], float]) -> float:
-    """Length of a step, halved from 1 until the energy is no higher than at its start; 0 if it never is."""
-    before, length = energy(0.0), 1.0
-    while length > 1e-3:
-        if energy(length) <= before:
-            return length
-        length *= 0.5
-    return 0.0

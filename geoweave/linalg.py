@@ -19,7 +19,7 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 from threadpoolctl import ThreadpoolController
 
 from geoweave import cholesky
-from geoweave.arrays import Indices, Scalars
+from geoweave.arrays import Flags, Indices, Scalars
 from geoweave.errors import GeoweaveError
 
 SparseMatrix: TypeAlias = sparse.csr_array | sparse.csc_array | sparse.dia_array
@@ -27,8 +27,11 @@ SparseMatrix: TypeAlias = sparse.csr_array | sparse.csc_array | sparse.dia_array
 
 Column = TypeVar("Column", NDArray[np.float64], NDArray[np.complex128])
 
-LARGE = 60_000
+LARGE = 20_000
 """Unknowns from which our own Cholesky factorisation takes the place of SuperLU."""
+
+HELD_TOLERANCE = 1e-13
+"""What a solve beside held unknowns may leave, as a share of the right-hand side."""
 
 HAS_METIS = importlib.util.find_spec("pymetis") is not None
 """Whether METIS nested dissection is installed; without it SuperLU's minimum degree takes its place."""
@@ -75,6 +78,39 @@ class Ordering:
             return self
         return Ordering(np.concatenate([self.order, len(self.order) + np.arange(count)]))
 
+    def of(self, kept: Indices) -> Ordering:
+        """Order a part of the unknowns alone, renumbered as they are listed; separators remain separators."""
+        if self.order is None:
+            return self
+        place = np.full(len(self.order), -1, dtype=np.int64)
+        place[kept] = np.arange(len(kept))
+        renumbered = place[self.order]
+        return Ordering(renumbered[renumbered >= 0])
+
+
+class Assembly:
+    """Matrices of one pattern, made from entries of which those in the same place are summed.
+
+    Parameters
+    ----------
+    rows, columns : (K,) place of each entry
+    size : n
+    """
+
+    def __init__(self, rows: Indices, columns: Indices, size: int) -> None:
+        key, self._slot = np.unique(rows * size + columns, return_inverse=True)
+        self._starts = np.concatenate([[0], np.cumsum(np.bincount(key // size, minlength=size))])
+        self._columns = key % size
+        self._size = size
+
+    def __call__(self, entries: Column) -> sparse.csr_array:
+        """(n, n) matrix with these (K,) entries, real or complex; zeros are stored."""
+        count = len(self._columns)
+        data = np.bincount(self._slot, entries.real, count)
+        if np.iscomplexobj(entries):
+            data = data + 1j * np.bincount(self._slot, entries.imag, count)
+        return sparse.csr_array((data, self._columns, self._starts), shape=(self._size, self._size))
+
 
 def nested_dissection(pattern: SparseMatrix) -> Ordering:
     """Order a symmetric pattern by METIS nested dissection.
@@ -102,6 +138,30 @@ def nested_dissection(pattern: SparseMatrix) -> Ordering:
         adjacency=pymetis.CSRAdjacency(offsets.astype(np.int32), csr.indices[off_diagonal].astype(np.int32))
     )
     return Ordering(np.asarray(order, dtype=np.int64))
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """An elimination order, and for large real matrices where the entries of their factor will be.
+
+    One analysis serves every matrix of its pattern (`analysed`, `factorized`).
+    """
+
+    ordering: Ordering
+    symbolic: cholesky.Symbolic | None
+
+
+def analysed(pattern: SparseMatrix, ordering: Ordering) -> Analysis:
+    """Do once what a factorisation owes to the pattern of its matrix and not to its entries.
+
+    Parameters
+    ----------
+    pattern : (n, n) sparse, real where the matrices will be
+    ordering : elimination order for it
+    """
+    if ordering.order is None or pattern.shape[0] < LARGE or np.iscomplexobj(pattern):
+        return Analysis(ordering, None)
+    return Analysis(ordering, cholesky.analysed(pattern, ordering.order))
 
 
 class Factorization(Protocol):
@@ -155,13 +215,14 @@ class _SuperLU:
         return solution
 
 
-def factorized(matrix: SparseMatrix, ordering: Ordering) -> Factorization:
+def factorized(matrix: SparseMatrix, ordering: Ordering | Analysis) -> Factorization:
     """Factor a Hermitian positive definite sparse matrix in a given order.
 
     Parameters
     ----------
     matrix : (n, n) sparse, real symmetric or complex Hermitian, positive definite
-    ordering : elimination order of the same pattern
+    ordering : elimination order of the same pattern, or an analysis of it; where the matrix has another
+        pattern than the one analysed, by entries that cancelled, only the order is used
 
     Large real matrices go to `geoweave.cholesky`, several times faster on them but compiled on first use;
     small ones, complex ones, and all where METIS is missing, go to SuperLU.
@@ -171,13 +232,17 @@ def factorized(matrix: SparseMatrix, ordering: Ordering) -> Factorization:
     SingularMatrixError
         If a pivot vanishes.
     """
-    order = ordering.order
+    known = ordering if isinstance(ordering, Analysis) else Analysis(ordering, None)
+    order = known.ordering.order
     if order is not None and matrix.shape[0] >= LARGE and not np.iscomplexobj(matrix):
-        symbolic = cholesky.analysed(matrix, order)
+        csr = sparse.csr_array(matrix)
+        symbolic = known.symbolic
+        if symbolic is None or not symbolic.fits(csr):
+            symbolic = cholesky.analysed(csr, order)
         try:
-            return _Cholesky(symbolic, cholesky.factor(matrix, symbolic), matrix.shape[0])
+            return _Cholesky(symbolic, cholesky.factor(csr, symbolic), csr.shape[0])
         except cholesky.NotDefiniteError as error:
-            raise SingularMatrixError(f"a matrix of {matrix.shape[0]} unknowns is not definite") from error
+            raise SingularMatrixError(f"a matrix of {csr.shape[0]} unknowns is not definite") from error
     csc = sparse.csc_array(matrix)
     if order is not None:
         csc = csc[order][:, order].tocsc()
@@ -225,36 +290,33 @@ def smallest_eigenpair(
     return float(1.0 / values[0]), vectors[:, 0] / root
 
 
-def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: Scalars, ordering: Ordering) -> Scalars:
+def bounded_minimum(
+    matrix: sparse.csr_array, factors: Factorization, right: Scalars, least: Scalars, start: Scalars
+) -> Scalars:
     """Minimise ``1/2 r' K r - b' r`` over ``r >= least``, by the primal-dual active set method.
 
     For a matrix K with no positive entry off its diagonal, as here, the method ends at the exact minimiser.
+    K is factored once: the unknowns that are free are solved for by conjugate gradients with the block of
+    ``K^-1`` as preconditioner, which is the inverse of the free block but for a correction of the rank of
+    the active set.
 
     Parameters
     ----------
     matrix : K, symmetric positive definite, (n, n)
+    factors : of K
     right : (n,) b
     least : (n,) the bounds
-    ordering : an elimination order for K
+    start : (n,) a guess, and which bounds it meets
 
     Raises
     ------
     SingularMatrixError
-        If the active set has not settled after 50 rounds.
+        If the active set has not settled after 50 rounds, or the free unknowns not in as many steps as there
+        are of them.
     """
-    r = factorized(matrix, ordering).solve(right)
-    active = r < least
+    r, active = start, start <= least
     for _ in range(50):
-        if not active.any():
-            return r
-        free: Indices = np.flatnonzero(~active)
-        r = least.copy()
-        if len(free):
-            rows = matrix[free]
-            inner = rows[:, free]
-            r[free] = factorized(inner, nested_dissection(inner)).solve(
-                right[free] - rows[:, np.flatnonzero(active)] @ r[active]
-            )
+        r = _with_held(matrix, factors, right, np.where(active, least, r), active)
         force = matrix @ r - right
         settled = np.where(active, force >= 0, r < least)
         if (settled == active).all():
@@ -263,3 +325,23 @@ def bounded_minimum(matrix: sparse.csr_array, right: Scalars, least: Scalars, or
     raise SingularMatrixError(
         "a minimum with bounds did not settle in 50 rounds; the matrix is too ill-conditioned"
     )
+
+
+def _with_held(
+    matrix: sparse.csr_array, factors: Factorization, right: Scalars, start: Scalars, held: Flags
+) -> Scalars:
+    """Solve ``K r = b`` for the unknowns that are not held; the others keep their values in ``start``."""
+    r, free = start.copy(), ~held
+    rest = np.where(free, right - matrix @ r, 0.0)
+    small = HELD_TOLERANCE * float(np.abs(right).max(initial=0.0))
+    direction, last = np.zeros_like(r), 1.0
+    for _ in range(len(r)):
+        if np.abs(rest).max() <= small:
+            return r
+        descent = np.where(free, factors.solve(rest), 0.0)
+        slope = float(rest @ descent)
+        direction = descent + slope / last * direction
+        image = np.where(free, matrix @ direction, 0.0)
+        length = slope / float(direction @ image)
+        r, rest, last = r + length * direction, rest - length * image, slope
+    raise SingularMatrixError("conjugate gradients did not end; the matrix is too ill-conditioned")

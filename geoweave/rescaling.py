@@ -16,7 +16,7 @@ from scipy import sparse
 from geoweave.arrays import Complexes, Scalars, frozen
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField
-from geoweave.linalg import Ordering, factorized, nested_dissection, one_blas_thread
+from geoweave.linalg import Analysis, Ordering, analysed, factorized, nested_dissection, one_blas_thread
 from geoweave.mesh import TriMesh
 from geoweave.operators import (
     ClosedFields,
@@ -67,12 +67,24 @@ def perpendicular(field: FaceField) -> Complexes:
     return -1j * field.normalized().values
 
 
+def vertices_and_faces(mesh: TriMesh) -> Ordering:
+    """Elimination order of matrices with a row per vertex, then one per face, that couple neighbours."""
+    n, edges = mesh.n_vertices, mesh.edges
+    pairs = mesh.edge_faces[mesh.interior_edges]
+    first = [edges[:, 0], n + pairs[:, 0], mesh.faces.ravel()]
+    second = [edges[:, 1], n + pairs[:, 1], n + np.repeat(np.arange(mesh.n_faces), 3)]
+    i, j = np.concatenate(first), np.concatenate(second)
+    half = sparse.coo_array((np.ones(len(i)), (i, j)), shape=(n + mesh.n_faces,) * 2).tocsr()
+    return nested_dissection(sparse.csr_array(half + half.T))
+
+
 def integrating_factor(
     field: FaceField,
     *,
     method: Method = "logarithm",
     smoothness: float | None = None,
     steps: int | None = None,
+    ordering: Ordering | None = None,
 ) -> IntegratingFactor:
     """Rescale a unit field so that ``s w-perp`` is as near as possible to being integrable (Section 4.2.3).
 
@@ -95,6 +107,7 @@ def integrating_factor(
     smoothness : mu, in squared bounding radii of the mesh. If not given, 1e-4 for "eigenvector" (the
         paper's), and for "logarithm" 2e-4 or a quarter of the squared mean edge, whichever is more
     steps : number of steps; 10 of the power iteration, up to 12 Gauss-Newton steps if not given
+    ordering : of `vertices_and_faces`, made here if not given
 
     Raises
     ------
@@ -114,12 +127,26 @@ def integrating_factor(
     closed = ClosedFields(mesh)
     mu = weight * mesh.bounding_radius**2
     with one_blas_thread():
+        order = _unknowns(closed, ordering or vertices_and_faces(mesh))
         if method == "eigenvector":
-            return _eigenvector(field, closed, mu, POWER_STEPS if steps is None else steps)
-        return _logarithm(field, closed, mu, NEWTON_STEPS if steps is None else steps)
+            return _eigenvector(field, closed, mu, POWER_STEPS if steps is None else steps, order)
+        return _logarithm(field, closed, mu, NEWTON_STEPS if steps is None else steps, order)
 
 
-def _eigenvector(field: FaceField, closed: ClosedFields, mu: float, steps: int) -> IntegratingFactor:
+def _unknowns(closed: ClosedFields, ordering: Ordering) -> Ordering:
+    """Order (x, s): potentials and faces as they are among all vertices and faces, generators last."""
+    mesh, free = closed.mesh, closed.free_vertices
+    kept = ordering.of(np.concatenate([free, mesh.n_vertices + np.arange(mesh.n_faces)])).order
+    if kept is None:
+        return ordering
+    generators = closed.basis.shape[1] - len(free)
+    moved = np.where(kept < len(free), kept, kept + generators)
+    return Ordering(np.concatenate([moved, len(free) + np.arange(generators)]))
+
+
+def _eigenvector(
+    field: FaceField, closed: ClosedFields, mu: float, steps: int, ordering: Ordering
+) -> IntegratingFactor:
     """Eq. 7 as the generalised eigenproblem of Appendix C, without its constraint."""
     mesh = field.mesh
     target = _scaled_by_faces(perpendicular(field))
@@ -129,10 +156,10 @@ def _eigenvector(field: FaceField, closed: ClosedFields, mu: float, steps: int) 
     first = _blocks(closed.mass, cross, sparse.csr_array(areas + mu * face_laplacian(mesh)))
     second = _blocks(closed.mass, cross, sparse.csr_array(2.0 * areas))
     total = sparse.csr_array(first + second)
-    factors = factorized(total, nested_dissection(total))
+    factors = factorized(total, ordering)
     split = closed.basis.shape[1]
     ones = np.ones(mesh.n_faces)
-    y = np.concatenate([_nearest_integrable(closed, perpendicular(field), ones), ones])
+    y = np.concatenate([_nearest_integrable(closed, perpendicular(field), ones, ordering), ones])
     energies = [_quotient(first, second, y)]
     for _ in range(steps):
         y = factors.solve(second @ y)
@@ -145,7 +172,9 @@ def _quotient(first: sparse.csr_array, second: sparse.csr_array, y: Scalars) -> 
     return float((y @ (first @ y)) / (y @ (second @ y)))
 
 
-def _logarithm(field: FaceField, closed: ClosedFields, mu: float, steps: int) -> IntegratingFactor:
+def _logarithm(
+    field: FaceField, closed: ClosedFields, mu: float, steps: int, ordering: Ordering
+) -> IntegratingFactor:
     """Gauss-Newton on (x, sigma); a face's sigma couples to its neighbours and to the x of its corners."""
     mesh, target = field.mesh, perpendicular(field)
     area, laplacian, split = mesh.face_areas, face_laplacian(mesh), closed.basis.shape[1]
@@ -155,10 +184,10 @@ def _logarithm(field: FaceField, closed: ClosedFields, mu: float, steps: int) ->
         return float(0.5 * area @ miss + 0.5 * mu * sigma @ (laplacian @ sigma))
 
     sigma = np.zeros(mesh.n_faces)
-    x = _nearest_integrable(closed, target, np.exp(sigma))
+    x = _nearest_integrable(closed, target, np.exp(sigma), ordering)
     v = as_complex(closed.basis @ x)
     energies = [energy(v, sigma)]
-    ordering: Ordering | None = None
+    analysis: Analysis | None = None
     for _ in range(steps):
         shrink = np.exp(-sigma)
         relative = shrink * v
@@ -170,14 +199,14 @@ def _logarithm(field: FaceField, closed: ClosedFields, mu: float, steps: int) ->
         cross = -closed.basis_transposed @ _scaled_by_faces(area * shrink * relative)
         lower = sparse.diags_array(area * (np.abs(relative) ** 2 + GAUGE)) + mu * laplacian
         matrix = _blocks(upper, cross, lower)
-        ordering = ordering or nested_dissection(matrix)
+        analysis = analysis or analysed(matrix, ordering)
         downhill = np.concatenate(
             [
                 -(closed.basis_transposed @ as_real(area * shrink * miss)),
                 area * (relative.conj() * miss).real - mu * (laplacian @ sigma),
             ]
         )
-        step = factorized(matrix, ordering).solve(downhill)
+        step = factorized(matrix, analysis).solve(downhill)
         dv, ds, length = as_complex(closed.basis @ step[:split]), step[split:], 1.0
         while (new := energy(v + length * dv, sigma + length * ds)) > energies[-1] and length > 1e-3:
             length *= 0.5
@@ -201,10 +230,10 @@ def _blocks(upper: sparse.csr_array, cross: sparse.csr_array, lower: sparse.csr_
     return sparse.csr_array(sparse.block_array([[upper, cross], [cross.T, lower]], format="csr"))
 
 
-def _nearest_integrable(closed: ClosedFields, target: Complexes, s: Scalars) -> Scalars:
+def _nearest_integrable(closed: ClosedFields, target: Complexes, s: Scalars, ordering: Ordering) -> Scalars:
     """Coordinates x of the integrable field nearest to ``s target``."""
     right = closed.basis_transposed @ (field_mass(closed.mesh) @ as_real(s * target))
-    return factorized(closed.mass, nested_dissection(closed.mass)).solve(right)
+    return factorized(closed.mass, ordering.of(np.arange(closed.basis.shape[1]))).solve(right)
 
 
 def _normalised(field: FaceField, s: Scalars, v: Complexes, energies: list[float]) -> IntegratingFactor:

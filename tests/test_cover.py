@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from geoweave import shapes
+from geoweave.alternation import Alternation
 from geoweave.arrays import Complexes, Scalars
 from geoweave.circle import wrapped
 from geoweave.cover import Cover, Quotient, branched_cover
@@ -15,7 +16,7 @@ from geoweave.curves import geodesic_curvature
 from geoweave.errors import FieldError, MeshError
 from geoweave.fields import FaceField, total_curl
 from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
-from geoweave.integration import _Alternation, foliate, global_scale
+from geoweave.integration import foliate, global_scale
 from geoweave.isolines import isolines
 from geoweave.operators import as_complex
 from geoweave.rescaling import integrating_factor
@@ -279,13 +280,13 @@ def test_the_factor_solved_on_the_quotient_is_that_of_all_sheets(name: str, degr
     np.testing.assert_allclose(below.s[quotient.faces], above.s, rtol=1e-6)
 
 
-def eq8(quotient: Quotient) -> tuple[_Alternation, _Alternation, Scalars, Scalars]:
+def eq8(quotient: Quotient) -> tuple[Alternation, Alternation, Scalars, Scalars]:
     """Eq. 8 on the quotient and on all sheets, with a first s on either."""
     s = integrating_factor(quotient.field).s
     s = 0.3 * global_scale(quotient.field, s, 0.95) * s
-    below = _Alternation(quotient.field, s, s, 1e-4)
+    below = Alternation(quotient.field, s, s, 1e-4)
     lifted = s[quotient.faces]
-    return below, _Alternation(quotient.cover.field, lifted, lifted, 1e-4), s, lifted
+    return below, Alternation(quotient.cover.field, lifted, lifted, 1e-4), s, lifted
 
 
 def lifted_to_vertices(quotient: Quotient, values: Scalars | Complexes) -> Scalars | Complexes:
@@ -308,7 +309,7 @@ def test_theta_on_the_quotient_is_that_of_all_sheets(degree: int) -> None:
     assert isinstance(quotient.mesh, TwistedMesh)
     assert quotient.cover.mesh.n_components == 1
     below, above, s, lifted = eq8(quotient)
-    small, large = below._turned(s), above._turned(lifted)
+    small, large = below.turned(s), above.turned(lifted)
     assert np.iscomplexobj(large)
     assert not np.iscomplexobj(small)
     # each in the metric of its mass, as in the inverse iteration

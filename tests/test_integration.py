@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy import sparse
 
 import geoweave as gw
 from geoweave import shapes
@@ -12,7 +11,6 @@ from geoweave.errors import FieldError, MeshError
 from geoweave.fields import FaceField
 from geoweave.geodesic import INTEGRABLE_END, sharpening_schedule
 from geoweave.integration import edge_prediction, foliate, global_scale, punctured
-from geoweave.linalg import bounded_minimum, nested_dissection
 from geoweave.mesh import TriMesh
 from geoweave.rescaling import perpendicular
 from geoweave.singularities import vertex_indices
@@ -120,24 +118,6 @@ def test_half_a_turn_on_the_longest_edge() -> None:
     factor = global_scale(field, s)
     assert np.abs(factor * s[:, None] * along).max() == pytest.approx(np.pi)
     assert global_scale(field, s, 0.95) > factor
-
-
-def test_bounded_minimum_is_the_minimum() -> None:
-    """Against the conditions of Karush, Kuhn and Tucker, on random matrices of the kind that occurs."""
-    rng = np.random.default_rng(5)
-    for _ in range(20):
-        graph = sparse.random_array(
-            (60, 60), density=0.1, rng=rng, data_sampler=lambda size: -rng.random(size)
-        )
-        off = sparse.csr_array(graph + graph.T)
-        off.setdiag(0.0)
-        matrix = sparse.csr_array(off + sparse.diags_array(0.05 + rng.random(60) - off.sum(axis=1)))
-        right, least = rng.normal(size=60), 0.2 * rng.random(60)
-        r = bounded_minimum(matrix, right, least, nested_dissection(matrix))
-        force = matrix @ r - right
-        assert (r >= least).all()
-        assert force.min() > -1e-9
-        np.testing.assert_allclose(force[r > least + 1e-12], 0.0, atol=1e-9)
 
 
 def test_what_is_out_of_range_is_refused() -> None:

@@ -78,3 +78,71 @@ def test_smallest_eigenpair_of_a_tiny_matrix(size):
     assert np.vdot(vector, mass * vector).real == pytest.approx(1.0)
     dense = np.linalg.eigvals(np.diag(1 / mass) @ matrix.toarray()).real
     assert value == pytest.approx(dense.min())
+
+
+def m_matrix(rng):
+    """A definite matrix of 60 rows without positive entries off its diagonal."""
+    graph = sparse.random_array((60, 60), density=0.1, rng=rng, data_sampler=lambda size: -rng.random(size))
+    off = sparse.csr_array(graph + graph.T)
+    off.setdiag(0.0)
+    return sparse.csr_array(off + sparse.diags_array(0.05 + rng.random(60) - off.sum(axis=1)))
+
+
+def test_bounded_minimum_is_the_minimum_from_wherever_it_starts():
+    """Against the conditions of Karush, Kuhn and Tucker, on random matrices of the kind that occurs."""
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        matrix = m_matrix(rng)
+        factors = linalg.factorized(matrix, linalg.nested_dissection(matrix))
+        right, least = rng.normal(size=60), 0.2 * rng.random(60)
+        found = [
+            linalg.bounded_minimum(matrix, factors, right, least, start)
+            for start in (least, least + 1.0, least + rng.random(60))
+        ]
+        for r in found:
+            force = matrix @ r - right
+            assert (r >= least).all()
+            assert force.min() > -1e-9
+            np.testing.assert_allclose(force[r > least + 1e-12], 0.0, atol=1e-9)
+            np.testing.assert_allclose(r, found[0], atol=1e-9)
+
+
+def test_bounded_minimum_of_nothing_and_of_all_bounds():
+    matrix = sparse.csr_array(np.diag([2.0, 3.0]))
+    factors = linalg.factorized(matrix, linalg.Ordering(np.arange(2)))
+    for right, least in ((np.zeros(2), -np.ones(2)), (-np.ones(2), np.zeros(2))):
+        r = linalg.bounded_minimum(matrix, factors, right, least, least + 1.0)
+        np.testing.assert_allclose(r, np.zeros(2), atol=1e-15)
+
+
+@pytest.mark.parametrize("dtype", [float, complex])
+def test_assembly_sums_what_falls_together_and_keeps_zeros(dtype):
+    rng = np.random.default_rng(0)
+    rows, columns = rng.integers(0, 6, (2, 50))
+    entries = rng.normal(size=50).astype(dtype) * (1.0 if dtype is float else np.exp(0.3j))
+    assembly = linalg.Assembly(rows, columns, 6)
+    dense = np.zeros((6, 6), dtype=dtype)
+    np.add.at(dense, (rows, columns), entries)
+    np.testing.assert_allclose(assembly(entries).toarray(), dense, atol=1e-14)
+    nothing = assembly(np.zeros(50, dtype=dtype))
+    assert nothing.nnz == assembly(entries).nnz == np.count_nonzero(dense)
+    assert nothing.dtype == dtype
+
+
+def test_an_ordering_of_a_part_renumbers_it():
+    base = linalg.Ordering(np.array([4, 2, 0, 3, 1]))
+    np.testing.assert_array_equal(base.of(np.array([1, 2, 4])).order, [2, 1, 0])
+    assert linalg.Ordering(None).of(np.array([1])).order is None
+
+
+def test_one_analysis_serves_matrices_of_its_pattern_and_of_others(monkeypatch):
+    monkeypatch.setattr(linalg, "LARGE", 100)
+    matrix, right = grid_laplacian(), np.random.default_rng(0).normal(size=900)
+    analysis = linalg.analysed(matrix, linalg.nested_dissection(matrix))
+    assert analysis.symbolic is not None
+    other = matrix + sparse.diags_array(np.linspace(1.0, 2.0, 900))
+    wider = sparse.csr_array(matrix @ matrix)
+    for each in (matrix, other, wider):
+        solution = linalg.factorized(sparse.csr_array(each), analysis).solve(right)
+        np.testing.assert_allclose(each @ solution, right, atol=1e-10)
+    assert linalg.analysed(hermitian(), analysis.ordering).symbolic is None
