@@ -7,8 +7,10 @@ asks, because the energies of `geoweave.rod_energies` are only ever taken on suc
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
@@ -36,6 +38,7 @@ class Stepping:
     turn : no segment turns by more than this in one step, radians
     sufficient : share of the predicted decrease of the energy that a step must achieve (Armijo)
     shortest : share of a step below which the line search gives up
+    memory : steps from which the curvature that Gauss-Newton leaves out is learnt; 0 for the paper's own method
     """
 
     tolerance: float = 1e-6
@@ -43,12 +46,15 @@ class Stepping:
     turn: float = 0.5
     sufficient: float = 1e-4
     shortest: float = 1e-6
+    memory: int = 10
 
     def __post_init__(self) -> None:
         for name in ("tolerance", "most_steps", "turn", "sufficient", "shortest"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise FieldError(f"'{name}' of the equilibrium must be a positive number, not {value}")
+        if self.memory < 0:
+            raise FieldError(f"the memory of the equilibrium is zero or more steps, not {self.memory}")
 
 
 @dataclass(frozen=True)
@@ -171,6 +177,11 @@ def _pattern(rods: Rods, terms: Sequence[Term], fixed: Flags) -> _Pattern:
 NO_FORCE = 1e-15
 """Forces below this share of ``Y w h``, which would double a ribbon's length, are rounding."""
 
+SETTLED = 0.03
+"""The Gauss-Newton matrix is factored anew at every step until the forces balance to this share."""
+
+Solve: TypeAlias = Callable[[Scalars], Scalars]
+
 DAMPING = (1e-12, 1e-9, 1e2)
 """Least, first and largest damping as a share of the stretching stiffness of a segment."""
 
@@ -204,13 +215,13 @@ def minimized(
     numbers = stepping or Stepping()
     held = np.zeros(rods.size, dtype=bool) if fixed is None else np.asarray(fixed, dtype=bool)
     problem = _Problem(rods, tuple(terms), held, load, anchored)
-    current = rods
-    energies = problem.energies(current)
+    current, energies, share = rods, problem.energies(rods), 0.0
     history: list[Step] = []
-    damping, share, ending = DAMPING[1], 0.0, ""
+    memory: deque[tuple[Scalars, Scalars]] = deque(maxlen=max(numbers.memory, 1))
+    damping, solve, ending = DAMPING[1], None, ""
+    gradient, jacobians, relative = problem.forces(current)
     with one_blas_thread():
-        while not ending:
-            gradient, jacobians, relative = problem.forces(current)
+        while True:
             history.append(Step(len(history), energies, relative, share))
             if callback is not None:
                 callback(history[-1])
@@ -220,17 +231,25 @@ def minimized(
             if len(history) > numbers.most_steps:
                 ending = f"after {numbers.most_steps} steps the forces do not balance yet"
                 break
-            while True:
-                step = problem.step(current, gradient, jacobians, damping, numbers.turn)
+            if solve is None or relative > SETTLED or share < 1.0:
+                solve = problem.factored(jacobians, damping)
+            step = None if solve is None else problem.step(current, gradient, solve, memory, numbers.turn)
+            found = None if step is None else problem.search(current, history[-1], gradient, step, numbers)
+            while found is None and damping <= DAMPING[2]:
+                damping *= 30.0 if not memory else 1.0
+                memory.clear()
+                solve = problem.factored(jacobians, damping)
+                step = None if solve is None else problem.step(current, gradient, solve, memory, numbers.turn)
                 found = None if step is None else problem.search(current, history[-1], gradient, step, numbers)
-                if found is not None:
-                    current, energies, share = found
-                    damping = max(damping * (0.2 if share > 0.5 else 1.0), DAMPING[0])
-                    break
-                damping *= 30.0
-                if damping > DAMPING[2]:
-                    ending = "no step lowers the energy any further"
-                    break
+            if found is None or step is None:
+                ending = "no step lowers the energy any further"
+                break
+            current, energies, share = found
+            damping = max(damping * (0.2 if share > 0.5 else 1.0), DAMPING[0])
+            before = gradient
+            gradient, jacobians, relative = problem.forces(current)
+            if numbers.memory and relative < SETTLED and float((gradient - before) @ step) > 0:
+                memory.append((share * step, gradient - before))
     return Equilibrium(current, relative <= numbers.tolerance, tuple(history), ending)
 
 
@@ -275,21 +294,47 @@ class _Problem:
         unbalanced = float(np.linalg.norm(total / self.unit))
         return total, jacobians, unbalanced / max(size, self.least / 1e-6)
 
-    def step(
-        self, rods: Rods, gradient: Scalars, jacobians: list[np.ndarray], damping: float, turn: float
-    ) -> Scalars | None:
-        """Return the Gauss-Newton step without its rigid motion, shortened where a segment turns too far."""
+    def factored(self, jacobians: list[np.ndarray], damping: float) -> Solve | None:
+        """Factor the damped Gauss-Newton matrix; None if it is not definite to working precision."""
         pattern = self.pattern
         matrix = pattern.matrix(jacobians, damping * self.stiff * self.unit**2)
         try:
             factor = cholesky.factor(matrix, pattern.symbolic)
         except cholesky.NotDefiniteError:
             return None
-        right = -gradient[pattern.free]
-        solution = cholesky.solve(pattern.symbolic, factor, right)
-        solution += cholesky.solve(pattern.symbolic, factor, right - matrix @ solution)
-        step = np.zeros(rods.size)
-        step[pattern.free] = solution
+
+        def solve(right: Scalars) -> Scalars:
+            own = right[pattern.free]
+            solution = cholesky.solve(pattern.symbolic, factor, own)
+            solution += cholesky.solve(pattern.symbolic, factor, own - matrix @ solution)
+            out = np.zeros(pattern.size)
+            out[pattern.free] = solution
+            return out
+
+        return solve
+
+    def step(
+        self,
+        rods: Rods,
+        gradient: Scalars,
+        solve: Solve,
+        memory: Sequence[tuple[Scalars, Scalars]],
+        turn: float,
+    ) -> Scalars | None:
+        """Return the step without its rigid motion, shortened where a segment turns too far.
+
+        What Gauss-Newton leaves out of the second derivative is learnt from how the gradient changed over the
+        last steps: limited-memory secant pairs about the Gauss-Newton matrix (Nocedal 1980).
+        """
+        q, taken = gradient.copy(), []
+        for moved, changed in reversed(memory):
+            rate = 1.0 / float(changed @ moved)
+            taken.append((rate, rate * float(moved @ q)))
+            q -= taken[-1][1] * changed
+        step = solve(q)
+        for (moved, changed), (rate, part) in zip(memory, reversed(taken), strict=True):
+            step += (part - rate * float(changed @ step)) * moved
+        step = -step
         if not np.isfinite(step).all():
             return None
         for part in self.parts:

@@ -57,8 +57,11 @@ class Springs:
 ROUNDS = 5
 """Rounds of sliding, each of one minimisation and one projection."""
 
+ROUGHLY = 1e-3
+"""Forces balance to this share in all rounds of sliding but the last, which takes the tolerance asked for."""
+
 STILL = 1e-3
-"""Sliding ends early when no vertex moved by more than this share of a segment in a round."""
+"""The next round of sliding is the last when no vertex moved by more than this share of a segment."""
 
 NEARBY = 3
 """Segments on each side among which a contact looks for its new place after sliding."""
@@ -109,13 +112,17 @@ def slide(
     elastic = elastic_terms(rods.layout)
     current, steps = rods, []
     anchors, faces = closest_points(tree, rods.points)
-    for _ in range(rounds):
+    numbers = stepping or Stepping()
+    rough = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY))
+    left = rounds
+    while left:
+        left -= 1
         normals = surface.face_normals[faces]
         spring = sliding(rods.layout, anchors, normals, stiff.normal, stiff.tangential)
         found = minimized(
             current,
             (*elastic, spring),
-            stepping=stepping,
+            stepping=rough if left else numbers,
             fixed=held,
             anchored=True,
             callback=callback,
@@ -125,7 +132,7 @@ def slide(
         current = found.rods
         anchors, faces = closest_points(tree, current.points)
         if moved <= STILL * float(current.rest.mean()):
-            break
+            left = min(left, 1)
     placed = replace(current, contacts=replaced_contacts(current))
     return Equilibrium(placed, found.converged, tuple(steps), found.ending)
 

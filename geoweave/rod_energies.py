@@ -117,16 +117,17 @@ def stretching(layout: Layout) -> Term:
 
 
 def flatwise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
-    """Return the energy of normal curvature, ``1/2 sum B k^2 / (2 l)``, ``k = kb . (t x tau)``.
+    """Return the energy of normal curvature, ``1/2 sum B k^2 / l``, ``k = kb . (t x tau)``, over joints.
 
-    Summed over joints and over the two segments of each (Bergou et al. 2008); B = Y w h^3 / 12, kb the
-    curvature binormal, l the rest length of the joint.
+    B = Y w h^3 / 12, kb is the curvature binormal, l the rest length of the joint, and ``t x tau`` the mean
+    of both segments (Bergou et al. 2010). The earlier form (2008) takes the mean of the squares instead: on a
+    twisted strip that counts flatwise bending as edgewise, which is (w / h)^2 times as stiff.
     """
     return _bending("normal curvature", layout, unknowns, flatwise=True)
 
 
 def edgewise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
-    """Return the energy of geodesic curvature, ``1/2 sum B k^2 / (2 l)``, ``k = -kb . tau``.
+    """Return the energy of geodesic curvature, ``1/2 sum B k^2 / l``, ``k = -kb . tau``.
 
     As `flatwise_bending`, with B = Y h w^3 / 12: (w / h)^2 times as stiff.
     """
@@ -136,33 +137,32 @@ def edgewise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
 def _bending(name: str, layout: Layout, unknowns: Indices | None, *, flatwise: bool) -> Term:
     a, b = layout.joints.T
 
-    def axes(rods: Rods) -> Vectors:
-        """(J, 2, 3) material direction about which the curvature is measured, on both segments."""
+    def axis(rods: Rods) -> Vectors:
+        """(J, 3) material direction about which the curvature is measured, the mean of both segments."""
         frame = rods.across if flatwise else -rods.directors
-        return np.stack([frame[a], frame[b]], axis=1)
+        return 0.5 * (frame[a] + frame[b])
 
     def weight(rods: Rods) -> Scalars:
         stiffness = rods.material.bending if flatwise else rods.material.edgewise
-        return np.sqrt(stiffness(rods.joint_widths) / (2.0 * rods.spans))
+        return np.sqrt(stiffness(rods.joint_widths) / rods.spans)
 
     def residual(rods: Rods) -> Table:
-        return weight(rods)[:, None] * (rods.binormals[:, None, :] * axes(rods)).sum(axis=2)
+        return (weight(rods) * (rods.binormals * axis(rods)).sum(axis=1))[:, None]
 
     def derivative(rods: Rods) -> Table:
-        axis, kb, chi = axes(rods), rods.binormals[:, None, :], rods.openness[:, None, None]
-        ta, tb = rods.tangents[a][:, None, :], rods.tangents[b][:, None, :]
-        curvature = (kb * axis).sum(axis=2, keepdims=True)
-        # The axis itself turns along its segment, which kb does not see.
-        by_a = (2.0 * cross(tb, axis) - curvature * tb) / chi
-        by_b = (2.0 * cross(axis, ta) - curvature * ta) / chi
-        by_a = _square_part(by_a, ta) / rods.lengths[a][:, None, None]
-        by_b = _square_part(by_b, tb) / rods.lengths[b][:, None, None]
-        out = np.zeros((len(a), 2, 11))
-        out[..., 0:3], out[..., 3:6], out[..., 6:9] = -by_a, by_a - by_b, by_b
-        turned = -rods.directors if flatwise else -rods.across
-        out[:, 0, 9] = (rods.binormals * turned[a]).sum(axis=1)
-        out[:, 1, 10] = (rods.binormals * turned[b]).sum(axis=1)
-        return weight(rods)[:, None, None] * out
+        middle, kb, chi = axis(rods), rods.binormals, rods.openness[:, None]
+        ta, tb = rods.tangents[a], rods.tangents[b]
+        curvature = (kb * middle).sum(axis=1, keepdims=True)
+        # Transport moves a section's directions along its segment only, and kb is square to that.
+        by_a = (2.0 * cross(tb, middle) - curvature * tb) / chi
+        by_b = (2.0 * cross(middle, ta) - curvature * ta) / chi
+        by_a = _square_part(by_a, ta) / rods.lengths[a][:, None]
+        by_b = _square_part(by_b, tb) / rods.lengths[b][:, None]
+        turned = -0.5 * (rods.directors if flatwise else rods.across)
+        spin_a = (kb * turned[a]).sum(axis=1, keepdims=True)
+        spin_b = (kb * turned[b]).sum(axis=1, keepdims=True)
+        out = np.concatenate([-by_a, by_a - by_b, by_b, spin_a, spin_b], axis=1)
+        return (weight(rods)[:, None] * out)[:, None, :]
 
     return Term(name, _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative)
 
@@ -324,7 +324,7 @@ def sliding(layout: Layout, anchors: Vectors, normals: Vectors, normal: float, t
 def energy_density(rods: Rods) -> dict[str, Scalars]:
     """Elastic energy per length of each segment, by its cause (Fig. 23).
 
-    The two halves of a joint's bending are measured on its two segments and go there; its twist is shared.
+    The energy of a joint is shared by its two segments.
 
     Returns
     -------
@@ -334,11 +334,9 @@ def energy_density(rods: Rods) -> dict[str, Scalars]:
     found = {}
     for term in elastic_terms(rods.layout):
         energy = 0.5 * term.residual(rods) ** 2
-        if len(energy) == rods.layout.segments and term.unknowns.shape[1] == 6:
-            own = energy[:, 0]
-        else:
-            before, after = (energy[:, 0], energy[:, 1]) if energy.shape[1] == 2 else 2 * (0.5 * energy[:, 0],)
-            own = np.bincount(a, before, minlength=rods.layout.segments)
-            own += np.bincount(b, after, minlength=rods.layout.segments)
+        own = energy[:, 0]
+        if len(term.unknowns) != rods.layout.segments or term.unknowns.shape[1] > 6:
+            own = np.bincount(a, 0.5 * own, minlength=rods.layout.segments)
+            own += np.bincount(b, 0.5 * energy[:, 0], minlength=rods.layout.segments)
         found[term.name] = frozen(own / rods.rest)
     return found

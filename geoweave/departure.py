@@ -1,0 +1,147 @@
+"""How far a weave has gone from its design and from its target surface (Figs. 19 and 22).
+
+Distances are shares of the diagonal of the target's bounding box. Rods have no place of their own in space, so
+they are first put back on the design by the rigid motion that fits the lengths of ribbon to where they were
+designed to be (Kabsch). That fit has one answer; fitting to the surface (ICP) would slide along a torus or
+turn on a sphere, and would report a distance to the surface that no other point of the design shares.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geoweave.arrays import Scalars, Vectors, frozen
+from geoweave.closest import closest_points, segment_tree, triangle_tree
+from geoweave.mesh import TriMesh
+from geoweave.rodfiles import RodError
+from geoweave.rods import Rods
+
+__all__ = ["Departure", "Distances", "departure", "fitted", "held", "rigid_fit", "vertex_weights"]
+
+
+@dataclass(frozen=True)
+class Distances:
+    """Sizes of one set of distances, as shares of the bounding diagonal."""
+
+    mean: float
+    rms: float
+    largest: float
+
+
+@dataclass(frozen=True, eq=False)
+class Departure:
+    """Where rods have gone, after the best rigid fit.
+
+    Attributes
+    ----------
+    to_surface : from the rods to the surface, one side of the Hausdorff distance: does the weave stay there
+    from_surface : from the vertices of the surface to the rods, the other side: is every part of the surface
+        still near a ribbon. A weave has holes, so this is not zero for the design either; compare the two
+    from_design : from each place of a ribbon to where that place was designed to be
+    points : (V, 3) vertices of the rods after the fit
+    distance : (V,) from each of these to the surface, in the unit of the model
+    worst : vertex that is farthest from the surface
+    diagonal : of the bounding box of the surface
+    """
+
+    to_surface: Distances
+    from_surface: Distances
+    from_design: Distances
+    points: Vectors
+    distance: Scalars
+    worst: int
+    diagonal: float
+
+
+def vertex_weights(rods: Rods) -> Scalars:
+    """(V,) rest length that belongs to each vertex, half of each segment it ends."""
+    ends = rods.layout.ends
+    return np.bincount(ends.ravel(), np.repeat(0.5 * rods.rest, 2), minlength=rods.layout.vertices)
+
+
+def held(rods: Rods) -> np.ndarray:
+    """(V,) whether a vertex lies between two contacts of its rod; what is not is a free tail."""
+    layout, pair = rods.layout, rods.contacts.segments.ravel()
+    rod = layout.rod_of_segment[pair]
+    first = layout.offsets[1:].copy()
+    last = layout.offsets[:-1] - 1
+    np.minimum.at(first, rod, layout.ends[pair, 0])
+    past = layout.offsets[rod] + (pair - layout.segment_offsets[rod]) + 1
+    np.maximum.at(last, rod, past)
+    vertex, owner = np.arange(layout.vertices), layout.rod_of_vertex
+    inside = (vertex >= first[owner]) & (vertex <= last[owner])
+    met = np.bincount(rod, minlength=len(rods)) > 0
+    return inside | (layout.closed & met)[owner]
+
+
+def rigid_fit(points: Vectors, targets: Vectors, weights: Scalars) -> tuple[Vectors, Vectors]:
+    """Rotation R and shift t that minimise ``sum w |p R' + t - q|^2`` (Kabsch 1976).
+
+    Parameters
+    ----------
+    points, targets : (N, 3) corresponding points p and q
+    weights : (N,) w, not negative
+
+    Returns
+    -------
+    (3, 3) rotation, never a reflection, and (3,) shift; apply as ``points @ R.T + t``.
+    """
+    share = weights / weights.sum()
+    middle, goal = share @ points, share @ targets
+    u, _, v = np.linalg.svd(((points - middle) * share[:, None]).T @ (targets - goal))
+    u[:, 2] *= np.sign(np.linalg.det(u @ v))
+    rotation = (u @ v).T
+    return rotation, goal - rotation @ middle
+
+
+def fitted(rods: Rods, design: Rods) -> Vectors:
+    """(V, 3) vertices of rods, put on those of their design by the best rigid motion.
+
+    Raises
+    ------
+    RodError
+        If the two are not the same rods.
+    """
+    if rods.layout is not design.layout and not np.array_equal(rods.layout.offsets, design.layout.offsets):
+        raise RodError("the rods have other vertices than their design; compare rods made of one another")
+    rotation, shift = rigid_fit(rods.points, design.points, vertex_weights(design))
+    return rods.points @ rotation.T + shift
+
+
+def departure(rods: Rods, design: Rods, surface: TriMesh) -> Departure:
+    """Measure how far rods are from their design and from the target surface.
+
+    Parameters
+    ----------
+    rods : relaxed
+    design : the same rods as designed, on the surface
+    surface : the target
+    """
+    points = fitted(rods, design)
+    diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    weights = vertex_weights(design)
+    nearest, _ = closest_points(triangle_tree(surface.vertices[surface.faces]), points)
+    distance = np.linalg.norm(points - nearest, axis=1)
+    back, _ = closest_points(segment_tree(points[rods.layout.ends]), surface.vertices)
+    gap = np.linalg.norm(surface.vertices - back, axis=1)
+    areas = np.bincount(
+        surface.faces.ravel(), np.repeat(surface.face_areas / 3.0, 3), minlength=surface.n_vertices
+    )
+    moved = np.linalg.norm(points - design.points, axis=1)
+    return Departure(
+        _distances(distance, weights, diagonal),
+        _distances(gap, areas, diagonal),
+        _distances(moved, weights, diagonal),
+        frozen(points),
+        frozen(distance),
+        int(np.argmax(distance)),
+        diagonal,
+    )
+
+
+def _distances(values: Scalars, weights: Scalars, diagonal: float) -> Distances:
+    mean = float(np.average(values, weights=weights))
+    rms = float(np.sqrt(np.average(values**2, weights=weights)))
+    return Distances(mean / diagonal, rms / diagonal, float(values.max()) / diagonal)

@@ -1,0 +1,89 @@
+"""Rods of known shapes, for the tests of the physics."""
+
+import numpy as np
+
+from geoweave.rods import Contacts, Layout, Material, Rods, carried
+
+NONE = Contacts(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
+MATERIAL = Material(thickness=0.01, young=1e6)
+
+
+def rods_of(lines, normals, *, closed=False, width=0.1, contacts=NONE, material=MATERIAL):
+    """Rods through points, with directors as near as can be to normals, at rest as they are but for bends."""
+    offsets = np.concatenate([[0], np.cumsum([len(line) for line in lines])])
+    layout = Layout(offsets, np.broadcast_to(closed, len(lines)))
+    points = np.concatenate(lines).astype(float)
+    edges = points[layout.ends[:, 1]] - points[layout.ends[:, 0]]
+    lengths = np.linalg.norm(edges, axis=1)
+    tangents = edges / lengths[:, None]
+    normals = np.broadcast_to(normals, tangents.shape)
+    square = normals - (normals * tangents).sum(axis=1)[:, None] * tangents
+    square = square / np.linalg.norm(square, axis=1)[:, None]
+    widths = np.full(layout.segments, width)
+    return Rods(layout, points, square, widths, lengths, contacts, material)
+
+
+def bar(count, length=1.0, *, normal=(0.0, 0.0, 1.0), **options):
+    """A straight rod along x of so many segments."""
+    line = np.column_stack([np.linspace(0, length, count + 1), np.zeros(count + 1), np.zeros(count + 1)])
+    return rods_of([line], np.array(normal), **options)
+
+
+def circle(count, radius=1.0):
+    angle = 2 * np.pi * np.arange(count) / count
+    return radius * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(count)])
+
+
+def ring(count, radius=1.0, *, upright=True, **options):
+    """A closed ring; upright like the hoop of a barrel, or flat like a washer."""
+    points = circle(count, radius)
+    out = 0.5 * (points + np.roll(points, -1, axis=0))
+    return rods_of([points], out if upright else np.array([0.0, 0.0, 1.0]), closed=True, **options)
+
+
+def helix(count, radius, pitch, turns=1.0, **options):
+    """An open helix about z, its directors pointing outwards."""
+    angle = np.linspace(0, 2 * np.pi * turns, count + 1)
+    points = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), pitch * angle / (2 * np.pi)])
+    middle = 0.5 * (angle[1:] + angle[:-1])
+    out = np.column_stack([np.cos(middle), np.sin(middle), np.zeros(count)])
+    return rods_of([points], out, **options)
+
+
+def crumpled(seed=0):
+    """An open and a closed rod, far from rest, with three contacts, one between opposite sides."""
+    rng = np.random.default_rng(seed)
+    line = np.column_stack([np.linspace(-1.5, 1.5, 7), np.zeros(7), np.zeros(7)])
+    rods = rods_of([line, circle(8)], np.array([0, 0, 1.0]), closed=[False, True])
+    points = rods.points + 0.15 * rng.normal(size=rods.points.shape)
+    edges = points[rods.layout.ends[:, 1]] - points[rods.layout.ends[:, 0]]
+    lengths = np.linalg.norm(edges, axis=1)
+    tangents = edges / lengths[:, None]
+    directors = carried(rods.tangents, tangents, rods.directors) + 0.3 * rng.normal(size=tangents.shape)
+    directors[2] *= -1
+    directors -= (directors * tangents).sum(axis=1)[:, None] * tangents
+    directors /= np.linalg.norm(directors, axis=1)[:, None]
+    contacts = Contacts([[0, 9], [5, 13], [2, 7]], [[0.3, 0.6], [0.1, 0.9], [0.5, 0.5]], [0, 1, 1])
+    widths = np.linspace(0.2, 0.3, len(edges))
+    material = Material(0.05, young=100.0)
+    return Rods(rods.layout, points, directors, widths, 1.1 * lengths, contacts, material)
+
+
+def turned(rods, rotation, shift):
+    """The same rods somewhere else."""
+    return Rods(
+        rods.layout,
+        rods.points @ rotation.T + shift,
+        rods.directors @ rotation.T,
+        rods.widths,
+        rods.rest,
+        rods.contacts,
+        rods.material,
+        None,
+        rods.twists,
+    )
+
+
+def any_rotation(seed=1):
+    q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return q * np.sign(np.linalg.det(q))

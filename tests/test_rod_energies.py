@@ -1,0 +1,195 @@
+import numpy as np
+import pytest
+from rodded import MATERIAL, any_rotation, bar, crumpled, helix, ring, turned
+
+from geoweave.rod_energies import (
+    Term,
+    contact_orientation,
+    contact_position,
+    edgewise_bending,
+    elastic_terms,
+    energy_density,
+    flatwise_bending,
+    sliding,
+    stretching,
+    twisting,
+)
+from geoweave.rods import Contacts, Rods
+
+
+def all_terms(rods):
+    rng = np.random.default_rng(5)
+    normals = rng.normal(size=rods.points.shape)
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    return {
+        term.name: term
+        for term in (
+            *elastic_terms(rods.layout),
+            contact_position(rods, 10.0),
+            contact_orientation(rods, 20.0),
+            sliding(rods.layout, rods.points + 0.1, normals, 3.0, 0.5),
+        )
+    }
+
+
+NAMES = tuple(all_terms(crumpled()))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_jacobian_is_the_derivative_of_the_residual(name):
+    rods = crumpled()
+    term = all_terms(rods)[name]
+    exact = term.jacobian(rods).toarray()
+    small = 1e-6
+    for unknown in range(rods.size):
+        step = np.zeros(rods.size)
+        step[unknown] = small
+        ahead, behind = rods.stepped(step), rods.stepped(-step)
+        difference = (term.residual(ahead) - term.residual(behind)).ravel() / (2 * small)
+        np.testing.assert_allclose(exact[:, unknown], difference, atol=2e-9 * abs(exact).max())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_gradient_is_the_derivative_of_the_energy_along_any_step(name):
+    rods = crumpled(4)
+    term = all_terms(rods)[name]
+    step = 1e-5 * np.random.default_rng(0).normal(size=rods.size)
+    change = term.energy(rods.stepped(step)) - term.energy(rods.stepped(-step))
+    assert change == pytest.approx(2 * term.gradient(rods) @ step, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "sliding"])
+def test_rigid_motions_cost_nothing(name):
+    rods = crumpled(2)
+    moved = turned(rods, any_rotation(), np.array([3.0, -1.0, 2.0]))
+    term = all_terms(rods)[name]
+    assert term.energy(moved) == pytest.approx(term.energy(rods), rel=1e-11)
+    gradient = term.gradient(rods)
+    forces = gradient[: 3 * rods.layout.vertices].reshape(-1, 3)
+    torques = gradient[3 * rods.layout.vertices :, None] * rods.tangents
+    size = abs(forces).max()
+    np.testing.assert_allclose(forces.sum(axis=0), 0, atol=1e-12 * size)
+    np.testing.assert_allclose(
+        np.cross(rods.points, forces).sum(axis=0) + torques.sum(axis=0), 0, atol=1e-11 * size
+    )
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if "contact" not in name and name != "sliding"])
+def test_turning_a_strip_over_changes_nothing(name):
+    rods = crumpled()
+    over = Rods(
+        rods.layout, rods.points, -rods.directors, rods.widths, rods.rest, rods.contacts, rods.material
+    )
+    term = all_terms(rods)[name]
+    assert term.energy(over) == pytest.approx(term.energy(rods), rel=1e-13)
+
+
+def test_a_straight_flat_rod_is_at_rest():
+    rods = bar(10)
+    for term in elastic_terms(rods.layout):
+        assert term.energy(rods) == 0
+        assert not term.gradient(rods).any()
+
+
+def test_stretching_is_a_spring():
+    rods = bar(8, 2.0)
+    long = Rods(
+        rods.layout, 1.05 * rods.points, rods.directors, rods.widths, rods.rest, rods.contacts, MATERIAL
+    )
+    # 1/2 Y w h L strain^2
+    expected = 0.5 * 1e6 * 0.1 * 0.01 * 2.0 * 0.05**2
+    assert stretching(rods.layout).energy(long) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(("upright", "kind"), [(True, flatwise_bending), (False, edgewise_bending)])
+def test_the_bending_energy_of_a_ring_converges_to_pi_b_over_r(upright, kind):
+    stiffness = 1e6 * (0.1 * 0.01**3 if upright else 0.01 * 0.1**3) / 12
+    errors = []
+    for count in (20, 40, 80):
+        rods = ring(count, 2.0, upright=upright)
+        errors.append(abs(kind(rods.layout).energy(rods) / (np.pi * stiffness / 2.0) - 1))
+        other = edgewise_bending if upright else flatwise_bending
+        assert other(rods.layout).energy(rods) < 1e-25
+        assert twisting(rods.layout).energy(rods) < 1e-25
+    rates = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert (rates > 1.9).all()
+    assert errors[-1] < 2e-3
+
+
+def test_a_helix_bends_flatwise_and_twists_by_its_torsion():
+    # A strip on a cylinder whose thickness points outwards: a geodesic, k = r / (r^2 + c^2), twist c / (r^2 + c^2)
+    r, c, turns = 1.0, 0.3, 2.0
+    rods = helix(400, r, 2 * np.pi * c, turns)
+    length = 2 * np.pi * turns * np.hypot(r, c)
+    material = rods.material
+    width = rods.joint_widths[0]
+    bend = 0.5 * material.bending(width) * (r / (r * r + c * c)) ** 2 * length
+    twist = 0.5 * material.twisting(width) * (c / (r * r + c * c)) ** 2 * length
+    share = 399 / 400  # joints over segments
+    assert flatwise_bending(rods.layout).energy(rods) == pytest.approx(share * bend, rel=1e-3)
+    assert twisting(rods.layout).energy(rods) == pytest.approx(share * twist, rel=1e-3)
+    assert edgewise_bending(rods.layout).energy(rods) < 1e-6 * bend
+
+
+def test_a_twisted_ring_costs_its_twist():
+    flat = ring(60)
+    turn = 2 * np.pi * np.arange(60) / 60
+    across = np.cross(flat.tangents, flat.directors)
+    directors = np.cos(turn)[:, None] * flat.directors + np.sin(turn)[:, None] * across
+    rods = Rods(flat.layout, flat.points, directors, flat.widths, flat.rest, flat.contacts, MATERIAL)
+    # 1/2 G J (2 pi)^2 / L: once round
+    length = flat.rest.sum()
+    expected = 0.5 * MATERIAL.twisting(np.array(0.1)) * (2 * np.pi) ** 2 / length
+    assert twisting(rods.layout).energy(rods) == pytest.approx(expected, rel=1e-10)
+
+
+def two_bars(height, angle=0.0, *, over=1):
+    """Two crossing bars, the second at a height and turned about the first; a contact in the middle."""
+    from rodded import rods_of
+
+    line = np.linspace(-1, 1, 4)
+    one = np.column_stack([line, 0 * line, 0 * line])
+    two = np.column_stack([0 * line, line, 0 * line + height])
+    tilt = np.array([np.sin(angle), 0.0, np.cos(angle)])
+    normals = np.concatenate([np.tile([0.0, 0, 1], (3, 1)), np.tile(tilt, (3, 1))])
+    return rods_of([one, two], normals, contacts=Contacts([[1, 4]], [[0.5, 0.5]], [over]))
+
+
+def test_a_contact_holds_the_upper_rod_a_thickness_above():
+    h = MATERIAL.thickness
+    for height, over, gap in ((h, 1, 0), (-h, 0, 0), (0, 1, h), (h, 0, 2 * h), (3 * h, 1, 2 * h)):
+        rods = two_bars(height, over=over)
+        # the paper's two squares, with no half in front
+        assert contact_position(rods, 7.0).energy(rods) == pytest.approx(7.0 * 2 * gap**2, abs=1e-18)
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 1e-3, 0.0099, 0.0101, 0.5, 1.2, np.pi - 0.3])
+def test_a_contact_makes_ribbons_lie_flush(angle):
+    rods = two_bars(0.01, angle)
+    # a strip has no upper side: the angle to the nearer of tau and -tau
+    least = min(angle, np.pi - angle)
+    assert contact_orientation(rods, 5.0).energy(rods) == pytest.approx(5.0 * least**2, rel=1e-9, abs=1e-25)
+
+
+def test_sliding_costs_little_along_the_surface_and_much_off_it():
+    rods = bar(1)
+    normals = np.tile([0.0, 0, 1], (2, 1))
+    for shift, cost in ((np.array([0.3, 0.4, 0]), 0.5 * 2.0 * 0.25), (np.array([0, 0, 0.1]), 0.5 * 90 * 0.01)):
+        term = sliding(rods.layout, rods.points - shift, normals, 90.0, 2.0)
+        assert term.energy(rods) == pytest.approx(2 * cost)
+
+
+def test_energy_density_adds_up_to_the_energy():
+    rods = crumpled()
+    found = energy_density(rods)
+    for term in elastic_terms(rods.layout):
+        assert found[term.name] @ rods.rest == pytest.approx(term.energy(rods))
+
+
+def test_a_jacobian_is_laid_out_by_stencil_and_residual():
+    rods = crumpled()
+    term = flatwise_bending(rods.layout)
+    residual = term.residual(rods)
+    assert isinstance(term, Term)
+    assert term.jacobian(rods).shape == (residual.size, rods.size)
+    np.testing.assert_allclose(term.jacobian(rods).T @ residual.ravel(), term.gradient(rods), atol=1e-12)
