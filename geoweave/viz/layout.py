@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from matplotlib.colors import Colormap, ListedColormap
+from matplotlib.colors import Colormap, ListedColormap, to_rgb
 from matplotlib.figure import Figure
 
 from geoweave.errors import RenderError
@@ -14,6 +14,9 @@ from geoweave.viz.scene import Pixels, Scene
 
 SIDE, GAP, TITLE, SUBTITLE = 34, 50, 58, 40
 """Pixels of a full-width figure: its border, between panels, for each line of words under one."""
+
+SHADES = (0.45, 0.65, 0.85, 1.0)
+"""How dark an accent gets where light falls on it aslant; each shade has its place in the palette."""
 
 
 def place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
@@ -115,5 +118,8 @@ def gallery(
         If there is nothing to draw.
     """
     figure = grid(scenes, words, columns=columns, width=width, tallest=tallest, foot=0)
-    maps = [*colormaps, ListedColormap(sorted(accents))] if accents else colormaps
+    shades = [
+        [share * each for each in to_rgb(colour)] for colour in sorted(set(accents)) for share in SHADES
+    ]
+    maps = [*colormaps, ListedColormap(shades)] if accents else colormaps
     return Picture(figure, alt or ", ".join(title for title, _ in words), tuple(maps))

@@ -117,7 +117,7 @@ def rosy_scene(
     spacing, thickness : of the rosettes and radius of their bars, in bounding radii
     """
     scene, mesh = Scene(VIEWS[view] if isinstance(view, str) else view), rosy.mesh
-    scene.add_surface(mesh)
+    scene.add_surface(mesh, crease=35.0)
     radius = mesh.bounding_radius
     chosen = spread(mesh, spacing * radius)
     middle = mesh.barycenters[chosen] + 0.6 * thickness * radius * mesh.face_normals[chosen]
