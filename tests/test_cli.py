@@ -231,6 +231,7 @@ def test_foliate_for_people_and_at_another_scale(run, ball):
     )
     assert np.isfinite([rough, fine]).all()
     assert refused(run("foliate", ball, "--scale", 0), "--scale")
+    assert refused(run("foliate", ball, "--scale", 0.001), f"{ball}: ", "larger scale")
 
 
 # -- weave --------------------------------------------------------------------------------------------------

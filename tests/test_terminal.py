@@ -5,7 +5,7 @@ import json
 import pytest
 
 from geoweave import terminal
-from geoweave.errors import MeshError
+from geoweave.errors import FieldError, GeoweaveError, MeshError
 
 
 def test_numbers_for_people() -> None:
@@ -33,6 +33,15 @@ def test_stages_are_timed_and_progress_is_silent_without_a_terminal(
         say("working")
     assert seconds["stage"] >= 0
     assert capsys.readouterr() == ("", "")
+
+
+def test_what_a_method_says_is_about_a_file() -> None:
+    with pytest.raises(FieldError, match=r"^a\.obj: ask for more$"), terminal.about("a.obj"):
+        raise FieldError("ask for more")
+    with pytest.raises(MeshError, match=r"^a\.obj: no faces$"), terminal.about("a.obj"):
+        raise MeshError("a.obj: no faces")
+    with pytest.raises(GeoweaveError, match=r"^something else$"), terminal.about("a.obj"):
+        raise GeoweaveError("something else")
 
 
 def test_a_name_that_is_neither_file_nor_data_set() -> None:
