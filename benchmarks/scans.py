@@ -131,8 +131,10 @@ def measure(name: str) -> dict:
     except GeoweaveError as error:
         return row | {"broken": [f"{type(error).__name__}: {error}"], "seconds": perf_counter() - start}
     angles, turns = weave.crossing_angles, weave.interlacing
+    woven = np.unique(mesh.face_components[weave.ribbons.curves.faces])
     return row | {
         "faces": mesh.n_faces,
+        "bare": mesh.n_components - len(woven),
         "ribbons": len(weave.ribbons),
         "crossings": len(weave.ribbons.crossings),
         "median_deg": float(np.median(angles)),
@@ -151,21 +153,22 @@ FEW = ("nefertiti", "eight", "head", "bunny", "torus", "cone")
 """Those that `make bench` weaves; all of them take a quarter of an hour."""
 
 HEAD = (
-    "| surface | faces given | woven | parts | genus | loops | ribbons | crossings | median angle | "
+    "| surface | faces given | woven | parts | bare | genus | loops | ribbons | crossings | median angle | "
     "60 ± 20 | alternation | at most | loose | valid | s |"
 )
 
 
 def line(row: dict) -> str:
     """One line of the table."""
-    given = [row["name"], f"{row['given']:,}"]
-    shape = [str(row[key]) for key in ("components", "genus", "loops")]
+    given, parts = [row["name"], f"{row['given']:,}"], str(row["components"])
+    shape = [str(row[key]) for key in ("genus", "loops")]
     if "faces" not in row:
-        return "| " + " | ".join([*given, "", *shape, *[""] * 7, "no", f"{row['seconds']:.0f}"]) + " |"
+        cells = [*given, "", parts, "", *shape, *[""] * 7, "no", f"{row['seconds']:.0f}"]
+        return "| " + " | ".join(cells) + " |"
     made = [f"{row['ribbons']:,}", f"{row['crossings']:,}", f"{row['median_deg']:.1f}°"]
     made += [f"{row[key]:.1%}" for key in ("within_20", "alternation", "bound")]
     made += [str(row["loose"]), "no" if row["broken"] else "yes", f"{row['seconds']:.0f}"]
-    return "| " + " | ".join([*given, f"{row['faces']:,}", *shape, *made]) + " |"
+    return "| " + " | ".join([*given, f"{row['faces']:,}", parts, str(row["bare"]), *shape, *made]) + " |"
 
 
 def table(names: list[str] | None = None) -> list[dict]:
@@ -175,7 +178,7 @@ def table(names: list[str] | None = None) -> list[dict]:
     if unknown:
         raise SystemExit(f"no such surface here: {', '.join(sorted(unknown))}")
     print("\nOne click: scans out of packages, data sets and built surfaces, woven with no parameter.\n")
-    lines = [HEAD, "|---|" + "---:|" * 12 + ":---:|---:|"]
+    lines = [HEAD, "|---|" + "---:|" * 13 + ":---:|---:|"]
     print("\n".join(lines), flush=True)
     rows = []
     for name in names or everything:

@@ -31,10 +31,11 @@ UNEVEN = 2.0
 """Longest edge that a weave takes as it is, in sides of as many equilateral triangles on the same area."""
 
 FEWEST = 2_000
-"""Triangles that carry a weave; a surface with fewer is remeshed."""
+"""Triangles of the largest component that carry a weave; a surface with fewer is remeshed."""
 
 COARSEST, FINEST = 4_000, 10_000
-"""Bounds on the number of triangles of a surface that is remeshed for a weave."""
+"""Least number of triangles of the largest component of a surface that is remeshed for a weave, and the
+largest number of the whole surface."""
 
 _SENTENCES = {
     "unreferenced_vertices": "dropped {} that no face uses",
@@ -137,8 +138,9 @@ def evened(prepared: Prepared, *, name: str = "mesh") -> Prepared:
 
     The steepest edge sets how dense a weave is (footnote 4), so that one long edge makes the whole weave
     coarse; the paper remeshes every input (Sections 5.2 and 6). Here one is remeshed if its longest edge
-    exceeds ``UNEVEN sqrt(4 A / (sqrt(3) F))``, A its area, or if it has fewer than ``FEWEST`` triangles: to
-    as many as it has, at least ``COARSEST`` and at most ``FINEST``, or more where its topology asks for more.
+    exceeds ``UNEVEN sqrt(4 A / (sqrt(3) F))``, A its area, or if fewer than ``FEWEST`` triangles fall to its
+    largest component: to as many as it has, at least ``COARSEST`` on that component and at most ``FINEST`` in
+    all, or more where its topology asks for more.
 
     Parameters
     ----------
@@ -152,9 +154,11 @@ def evened(prepared: Prepared, *, name: str = "mesh") -> Prepared:
     """
     mesh = prepared.mesh
     side = np.sqrt(4.0 * mesh.face_areas.sum() / (np.sqrt(3.0) * mesh.n_faces))
-    if mesh.n_faces >= FEWEST and mesh.edge_lengths.max() <= UNEVEN * side:
+    areas = np.bincount(mesh.face_components, mesh.face_areas)
+    largest = float(areas.max() / areas.sum())
+    if mesh.n_faces * largest >= FEWEST and mesh.edge_lengths.max() <= UNEVEN * side:
         return prepared
-    faces = int(np.clip(mesh.n_faces, COARSEST, FINEST))
+    faces = int(min(max(mesh.n_faces, round(COARSEST / largest)), FINEST))
     most = 4 * max(mesh.n_faces, faces)
     while True:
         try:

@@ -246,6 +246,19 @@ def test_only_uneven_or_few_triangles_are_remeshed_for_a_weave():
         assert found.mesh.face_areas.sum() == pytest.approx(prepared.mesh.face_areas.sum(), rel=0.02)
 
 
+def test_the_largest_of_several_components_gets_enough_triangles():
+    from geoweave import shapes
+
+    points, faces = arrays_of(shapes.torus(faces=900))
+    two = prepare_arrays(
+        np.concatenate([points, 0.5 * points + 5.0]), np.concatenate([faces, faces + len(points)])
+    )
+    found = evened(two).mesh
+    # four fifths of the area
+    assert np.bincount(found.face_components).max() == pytest.approx(COARSEST, rel=0.02)
+    assert found.n_components == 2
+
+
 def test_a_topology_that_asks_for_more_triangles_gets_them(monkeypatch):
     from geoweave import prepare
 
