@@ -137,10 +137,10 @@ def evened(prepared: Prepared, *, name: str = "mesh") -> Prepared:
     """Remesh a surface whose triangles are too uneven or too few to weave on; leave any other as it is.
 
     The steepest edge sets how dense a weave is (footnote 4), so that one long edge makes the whole weave
-    coarse; the paper remeshes every input (Sections 5.2 and 6). Here one is remeshed if its longest edge
-    exceeds ``UNEVEN sqrt(4 A / (sqrt(3) F))``, A its area, or if fewer than ``FEWEST`` triangles fall to its
-    largest component: to as many as it has, at least ``COARSEST`` on that component and at most ``FINEST`` in
-    all, or more where its topology asks for more.
+    coarse; the paper remeshes every input (Sections 5.2 and 6; DEVIATIONS.md, remeshed-first). Here one is
+    remeshed if its longest edge exceeds ``UNEVEN sqrt(4 A / (sqrt(3) F))``, A its area, or if fewer than
+    ``FEWEST`` triangles fall to its largest component: to as many as it has, at least ``COARSEST`` on that
+    component and at most ``FINEST`` in all, or more where its topology asks for more.
 
     Parameters
     ----------
