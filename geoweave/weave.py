@@ -32,6 +32,12 @@ MOST_CROSSINGS = 200_000
 LEVEL = 0.5 * np.pi
 """Level set on every sheet; theta is odd on antipodal sheets, so theirs interleave by half a period."""
 
+EVENNESS = 1e-3
+"""Smoothness mu of s in squared bounding radii, ten times that of a single foliation.
+
+Ribbons are further apart than leaves, and a maker wants them even (DEVIATIONS.md, evenness).
+"""
+
 Callback = Callable[[str], None]
 """Told the name of each stage as it begins."""
 
@@ -152,7 +158,14 @@ class WeaveField:
             )
         stages.begin("foliation", more)
         # Every scale starts from the same factor, so that a scale gives the same weave whoever asks for it.
-        foliation = foliate(self.field, scale=scale, rescaling=self.factor, quantile=1.0, seed=self.seed)
+        foliation = foliate(
+            self.field,
+            scale=scale,
+            rescaling=self.factor,
+            quantile=1.0,
+            smoothness=EVENNESS,
+            seed=self.seed,
+        )
         stages.begin("ribbons", more)
         cover, sheets = self.cover, self.families
         level_sets = isolines(cover.quotient.lifted(foliation), [LEVEL])
@@ -191,7 +204,12 @@ class WeaveField:
 
 
 def weave_field(
-    mesh: TriMesh, *, symmetry: int = 6, seed: int = 0, callback: Callback | None = None
+    mesh: TriMesh,
+    *,
+    symmetry: int = 6,
+    geodesic: bool = True,
+    seed: int = 0,
+    callback: Callback | None = None,
 ) -> WeaveField:
     """Find the geodesic field that the weaves of a surface share (Section 5.1).
 
@@ -201,6 +219,7 @@ def weave_field(
     ----------
     mesh : the surface, anywhere and of any size
     symmetry : N, 3 or more; 6 for a triaxial weave
+    geodesic : if false, the smoothest RoSy is left as it is, which Fig. 23 compares with
     seed : of the RoSy and of the first eigenvector
     callback : called with the name of each stage as it begins
 
@@ -219,11 +238,13 @@ def weave_field(
     cover = branched_cover(rosy)
     quotient = cover.quotient
     stages.begin("field")
-    schedule = sharpening_schedule(quotient.mesh, finest=INTEGRABLE_END)
-    field = geodesic_field(quotient.field, smoothness=schedule).field
+    field = quotient.field
+    if geodesic:
+        schedule = sharpening_schedule(quotient.mesh, finest=INTEGRABLE_END)
+        field = geodesic_field(field, smoothness=schedule).field
     stages.begin("foliation", ": first factor")
     w, _ = punctured(field)
-    factor = integrating_factor(w).s
+    factor = integrating_factor(w, smoothness=EVENNESS).s
     factor = frozen(np.maximum(factor, LEAST_FIRST * float(np.median(factor))))
     turning = global_scale(w, factor) * factor
     stages.begin("")

@@ -13,7 +13,7 @@ from geoweave.arrays import Indices, Scalars
 from geoweave.curves import geodesic_curvature
 from geoweave.errors import FieldError
 from geoweave.integration import Foliation
-from geoweave.interlacing import Interlacing
+from geoweave.interlacing import Crossings, Interlacing, greedy
 from geoweave.mesh import Similarity, TriMesh
 from geoweave.output import replacing
 from geoweave.ribbons import Ribbons
@@ -118,6 +118,12 @@ class Weave:
         return labels(self.families)
 
     @property
+    def passages(self) -> Crossings:
+        """The crossings as the order in which each ribbon meets the others."""
+        met = self.ribbons.crossings
+        return Crossings(met.curves, met.arclength, self.ribbons.curves.closed)
+
+    @property
     def crossing_angles(self) -> Scalars:
         """(C,) angle between the two ribbons at each crossing, degrees, at most 90."""
         angle = np.degrees(np.abs(self.ribbons.crossings.angle))
@@ -147,6 +153,7 @@ class Weave:
                 "fraction": self.interlacing.alternation,
                 "optimal_fraction_bound": self.interlacing.alternation_bound,
                 "proven": self.interlacing.proven,
+                "greedy_fraction": greedy(self.passages).alternation,
             },
             "deviation_deg": {"median": aligned.median, "p95": aligned.p95},
             "dislocations": aligned.dislocations,
