@@ -45,7 +45,7 @@ def test_ribbons_cross_at_roughly_sixty_degrees(name):
 
 @pytest.mark.parametrize("name", WOVEN)
 def test_ribbons_go_over_and_under_in_turn(name):
-    """Section 5.2 assigns over and under greedily; here the most alternating choice there is, and the proof."""
+    """Section 5.2 assigns over and under greedily; here the best choice, and its proof."""
     weave = weave_of(name)
     best, rule = weave.interlacing, greedy(weave.passages)
     assert best.alternation >= 0.95
