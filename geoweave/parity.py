@@ -17,14 +17,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
-from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.compiled import compiled
 from geoweave.errors import GeoweaveError
 
-__all__ = ["Labelling", "best_labels"]
+__all__ = ["EFFORT", "Labelling", "best_labels"]
+
+EFFORT = 50_000
+"""Searches for odd cycles, and rows of programs solved, that a proof may take: seconds for 4,000 edges."""
 
 _SMALL = 1e-6
 """Sums that are as good as equal."""
@@ -36,6 +39,8 @@ _RAISED = 0.12
 """Added to the weight of the edges of an odd cycle found, so that other cycles are found beside it."""
 _SEARCHES = 100
 """Sources searched from before the weights are looked at again."""
+_NODES = 2_000
+"""Nodes of the tree of one integer program."""
 _STEPS = (8, 16, 32)
 """Odd cycles that z leaves out altogether are looked for first, up to these numbers of edges in turn."""
 
@@ -52,6 +57,10 @@ class Labelling:
     """No labels break fewer edges."""
     best_cost: bool
     """Whether the ``tie`` costs of the broken edges are the smallest among labels that break as few."""
+    effort: int
+    """Searches and rows of programs that it took; the same on every machine."""
+    out_of_time: bool
+    """Whether the time limit struck: only then may another run find something else."""
 
     @property
     def proven(self) -> bool:
@@ -76,7 +85,8 @@ def best_labels(
     second: ArrayLike,
     parity: ArrayLike,
     tie: ArrayLike | None = None,
-    time_limit: float = 10.0,
+    time_limit: float = 60.0,
+    effort: int = EFFORT,
 ) -> Labelling:
     """Labels x of the nodes that break the fewest of the wishes ``x_first ^ x_second == parity``.
 
@@ -87,7 +97,7 @@ def best_labels(
     bound, and labels are read off a spanning tree of smallest z. If fractions remain, the integer program
     over the cycles found goes on in the same way.
 
-    The result depends on nothing but the input, unless the time limit strikes.
+    The result depends on nothing but the input, unless the time limit strikes, and says so if it did.
 
     Parameters
     ----------
@@ -96,12 +106,14 @@ def best_labels(
         whatever the labels
     tie : (M,) whole numbers from 0 on. Of the labellings that break the fewest edges, one in which the sum
         over the broken edges is smallest
-    time_limit : seconds (wall clock) for the proof; afterwards the best found is returned with its bound
+    time_limit : seconds (wall clock) after which the best found is returned with its bound: a guard
+    effort : searches for odd cycles and rows of programs solved after which the same happens; counted, so
+        that the same input gives the same labels on a slow machine
 
     Raises
     ------
     GeoweaveError
-        If the arrays do not fit each other, an edge names no node, or the time limit is not positive.
+        If the arrays do not fit each other, an edge names no node, or a limit is not positive.
     """
     start, end, wish = (np.asarray(each, dtype=np.int64) for each in (first, second, parity))
     price = np.zeros(len(start), dtype=np.int64) if tie is None else np.asarray(tie, dtype=np.int64)
@@ -109,9 +121,9 @@ def best_labels(
         raise GeoweaveError(f"ends, parities and ties are rows of one length, not {start.shape}, {end.shape}")
     if len(start) and (min(start.min(), end.min()) < 0 or max(start.max(), end.max()) >= nodes):
         raise GeoweaveError(f"an edge names a node outside 0..{nodes - 1}")
-    if not np.isin(wish, (0, 1)).all() or (price < 0).any() or not time_limit > 0:
-        raise GeoweaveError("parities are 0 or 1, ties and the time limit are not negative")
-    deadline = time.monotonic() + time_limit
+    if not np.isin(wish, (0, 1)).all() or (price < 0).any() or not (time_limit > 0 and effort > 0):
+        raise GeoweaveError("parities are 0 or 1, ties are not negative, and the limits are positive")
+    budget = _Budget(effort, time.monotonic() + time_limit)
 
     proper = start != end
     labels = _labels(nodes, start[proper], end[proper], wish[proper])
@@ -128,10 +140,11 @@ def best_labels(
         place = np.empty(nodes, dtype=np.int64)
         place[inside] = np.arange(len(inside))
         graph = _merged(len(inside), place[start[edges]], place[end[edges]], wish[edges], price[edges])
-        labels[inside], least, best = _Program(graph, deadline).solve()
+        labels[inside], least, best = _Program(graph, budget).solve()
         bound, finished = bound + least, finished and best
     broken = (labels[start] ^ labels[end]) != wish.astype(bool)
-    return Labelling(frozen(labels), frozen(broken), bound, finished and int(broken.sum()) == bound)
+    best = finished and int(broken.sum()) == bound
+    return Labelling(frozen(labels), frozen(broken), bound, best, budget.used, budget.struck)
 
 
 def _matrix(nodes: int, start: Indices, end: Indices) -> sparse.csr_array:
@@ -169,8 +182,10 @@ def _odd_walks(
 ) -> tuple[Indices, Indices]:  # fmt: skip
     """Lightest odd closed walks through the sources in turn, none heavier than ``limit``.
 
-    Dijkstra's method from each source to its other copy. The weight of the edges found is ``raised`` by as
-    much before the next search, so that walks differ.
+    Dijkstra's method from each source. The way from the other copy of the source to a node mirrors that from
+    the source to the other copy of the node: a walk is the two ways to both copies of one node, and a search
+    needs go half as far. The weight of the edges found is ``raised`` before the next search, so that walks
+    differ.
 
     Parameters
     ----------
@@ -186,17 +201,17 @@ def _odd_walks(
     edges = [0 for _ in range(0)]
     ends = [0 for _ in range(0)]
     for source in sources:
-        target = source + nodes
         distance[source] = 0.0
         touched[0], count = source, 1
+        best, meeting = far, -1
         heap = [(0.0, source)]
         while heap:
             so_far, node = heapq.heappop(heap)
+            if 2.0 * so_far >= min(best, limit):
+                break
             if done[node]:
                 continue
             done[node] = True
-            if node == target:
-                break
             for k in range(starts[node], starts[node + 1]):
                 head = heads[k]
                 total = so_far + weight[edge[k]]
@@ -206,12 +221,15 @@ def _odd_walks(
                         count += 1
                     distance[head], before[head], through[head] = total, node, edge[k]
                     heapq.heappush(heap, (total, head))
-        if done[target]:
-            node = target
-            while node != source:
-                weight[through[node]] += raised
-                edges.append(through[node])
-                node = before[node]
+                    walk = total + distance[(head + nodes) % (2 * nodes)]
+                    if walk <= limit and walk < best:
+                        best, meeting = walk, head
+        if meeting >= 0:
+            for node in (meeting, (meeting + nodes) % (2 * nodes)):
+                while node != source:
+                    weight[through[node]] += raised
+                    edges.append(through[node])
+                    node = before[node]
             ends.append(len(edges))
         for k in range(count):
             node = touched[k]
@@ -219,11 +237,28 @@ def _odd_walks(
     return np.array(edges, dtype=np.int64), np.array(ends, dtype=np.int64)
 
 
+class _Budget:
+    """What all components together may still spend."""
+
+    def __init__(self, effort: int, deadline: float) -> None:
+        self.effort, self.deadline = effort, deadline
+        self.used, self.struck = 0, False
+
+    def spent(self) -> bool:
+        """Whether effort or time is used up."""
+        self.struck = self.struck or time.monotonic() > self.deadline
+        return self.struck or self.used >= self.effort
+
+    def seconds(self) -> float:
+        """What is left for the next program; a little even when time is up, so that there is a bound."""
+        return max(self.deadline - time.monotonic(), 0.1)
+
+
 class _Program:
     """The search for one component: odd cycles so far, the best labels, the best bound."""
 
-    def __init__(self, graph: _Graph, deadline: float) -> None:
-        self.graph, self.deadline = graph, deadline
+    def __init__(self, graph: _Graph, budget: _Budget) -> None:
+        self.graph, self.budget = graph, budget
         nodes, start, end, wish = graph.nodes, graph.first, graph.second, graph.parity
         tail = np.concatenate([start, start + nodes])
         head = np.concatenate([end + nodes * wish, end + nodes * (1 - wish)])
@@ -245,7 +280,7 @@ class _Program:
         exact = False
         while not self.closed():
             self.offer(z + _SHORT * self.graph.cost)
-            if self.closed() or time.monotonic() > self.deadline:
+            if self.closed() or self.budget.spent():
                 break
             if not self.cut(z):
                 if exact:
@@ -321,7 +356,7 @@ class _Program:
         sources = np.unique(self.graph.first[self.broken(self.labels)])
         weight, before = z + _SHORT, len(self.cycles)
         for steps in (*_STEPS, 1.0 / _SHORT - 1.0):
-            while time.monotonic() < self.deadline:
+            while not self.budget.spent():
                 near = self.near_their_copies(weight - _SHORT, sources)
                 if not len(near) or not self.gather(weight, near[:_SEARCHES], steps * _SHORT):
                     break
@@ -329,6 +364,7 @@ class _Program:
 
     def gather(self, weight: Scalars, sources: Indices, limit: float) -> int:
         """Add odd cycles through the sources, none heavier than the limit; how many."""
+        self.budget.used += len(sources)
         edges, ends = _odd_walks(
             self.starts, self.heads, self.edge, weight, sources, self.graph.nodes, limit, _RAISED
         )
@@ -361,24 +397,41 @@ class _Program:
         matrix = sparse.csr_array((np.ones(len(place)), place, ends), shape=(len(self.cycles), len(seen)))
         return matrix, seen
 
-    def left(self) -> float:
-        """Seconds for the next program; a little even when time is up, so that there is a bound."""
-        return max(self.deadline - time.monotonic(), 0.1)
-
     def program(self, integer: bool) -> Scalars:
         """Cheapest z that meets each cycle found so far, in integers or not; its cost is a bound."""
         matrix, seen = self.rows()
         z = np.zeros(len(self.graph.first))
-        result = milp(
-            self.graph.cost[seen],
-            integrality=np.full(len(seen), int(integer)),
-            bounds=Bounds(0.0, 1.0),
-            constraints=LinearConstraint(matrix, lb=1.0),
-            options={"time_limit": self.left(), "mip_rel_gap": 0.0},
-        )
-        bound = result.mip_dual_bound if integer else result.fun if result.status == 0 else None
+        self.budget.used += len(self.cycles)
+        found, bound = (self.whole if integer else self.relaxed)(matrix, self.graph.cost[seen])
         if bound is not None and np.isfinite(bound):
             self.bound = max(self.bound, float(bound))
-        if result.x is not None:
-            z[seen] = np.rint(result.x) if integer else np.clip(result.x, 0.0, 1.0)
+        if found is not None:
+            z[seen] = found
         return z
+
+    def relaxed(self, matrix: sparse.csr_array, cost: Scalars) -> tuple[Scalars | None, float | None]:
+        """The program with fractions, and its value. Its corners are many and alike: by an interior path."""
+        result = linprog(  # type: ignore[call-overload]  # its stubs forget sparse matrices
+            cost,
+            A_ub=-matrix,
+            b_ub=-np.ones(matrix.shape[0]),
+            bounds=(0.0, 1.0),
+            method="highs-ipm",
+            options={"time_limit": self.budget.seconds()},
+        )
+        if result.status != 0:
+            self.budget.spent()
+            return None, None
+        return np.clip(result.x, 0.0, 1.0), float(result.fun)
+
+    def whole(self, matrix: sparse.csr_array, cost: Scalars) -> tuple[Scalars | None, float | None]:
+        """The program in integers, as far as its limits let it come, and a bound on its value."""
+        result = milp(
+            cost,
+            integrality=np.ones(len(cost), dtype=np.int64),
+            bounds=Bounds(0.0, 1.0),
+            constraints=LinearConstraint(matrix, lb=1.0),
+            options={"time_limit": self.budget.seconds(), "node_limit": _NODES, "mip_rel_gap": 0.0},
+        )
+        self.budget.spent()
+        return None if result.x is None else np.rint(result.x), result.mip_dual_bound

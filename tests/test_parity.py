@@ -63,6 +63,20 @@ def test_without_time_the_bound_is_still_a_bound():
     assert patient.proven
     assert hasty.bound <= patient.bound <= hasty.broken.sum()
     assert hasty.bound < hasty.broken.sum()
+    assert hasty.out_of_time
+    assert not patient.out_of_time
+
+
+def test_effort_is_counted_and_ends_the_proof_where_it_ends_on_every_machine():
+    graph = lattice(20, 0)
+    patient = best_labels(*graph)
+    some = [best_labels(*graph, effort=effort) for effort in (patient.effort // 4, patient.effort // 4)]
+    np.testing.assert_array_equal(some[0].labels, some[1].labels)
+    for found in some:
+        assert not found.out_of_time
+        assert not found.proven
+        assert patient.effort // 4 <= found.effort < patient.effort
+        assert found.bound <= patient.bound <= found.broken.sum()
 
 
 def test_nothing_to_label():
@@ -79,7 +93,8 @@ def test_nothing_to_label():
         ((3, [0, 1], [1, 3], [0, 1]), "outside 0..2"),
         ((3, [0, 1], [1, 2], [0, 2]), "0 or 1"),
         ((3, [0, 1], [1, 2], [0, 1], [-1, 0]), "not negative"),
-        ((3, [0, 1], [1, 2], [0, 1], [0, 0], 0.0), "time limit"),
+        ((3, [0, 1], [1, 2], [0, 1], [0, 0], 0.0), "limits"),
+        ((3, [0, 1], [1, 2], [0, 1], [0, 0], 1.0, 0), "limits"),
     ],
 )
 def test_refusals(arguments, words):
