@@ -64,6 +64,26 @@ LAYERS = (
     ("covers", {"cover"}),
     ("weaves", {"interlacing", "parity", "ribbons", "rodfiles", "scales", "validity"}),
     ("the pipeline", {"inspection", "outputs", "weave", "woven"}),
+    (
+        "fabrication",
+        {
+            "assembly",
+            "clipping",
+            "cutlist",
+            "drawing_dxf",
+            "drawing_pdf",
+            "drawing_svg",
+            "fabrication",
+            "flatdrawing",
+            "inks",
+            "lettering",
+            "marks",
+            "nesting",
+            "pattern",
+            "pieces",
+            "solid",
+        },
+    ),
     ("models of the figures", {"models"}),
     ("the artifact", {"claims", "doctor", "execution", "notebooks", "progress", "runner"}),
     ("the command", {"__main__", "cli", "design", "terminal", "weaving"}),
@@ -141,6 +161,13 @@ def test_renderers_live_in_viz(path: Path) -> None:
 @pytest.mark.parametrize("path", VIZ, ids=label)
 def test_viz_knows_no_runner_and_no_command(path: Path) -> None:
     assert not {name for name in siblings(path) if LEVEL.get(name, 0) >= ARTIFACT}
+
+
+@pytest.mark.parametrize("path", FLAT, ids=label)
+def test_fabrication_knows_a_weave_and_nothing_else(path: Path) -> None:
+    layer = dict(LAYERS)["fabrication"]
+    if path.stem in layer:
+        assert siblings(path) <= layer | {"arrays", "errors", "output", "woven"}
 
 
 def test_matrices_know_no_mesh() -> None:

@@ -1,0 +1,249 @@
+"""Pages to print at true scale: strips, crosses in the corners, a ruler, a legend, a map of the pages."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any, NamedTuple
+
+from reportlab.pdfgen.canvas import Canvas
+
+from geoweave.flatdrawing import LAYERS, ROLES, Drawn, Figure
+from geoweave.inks import INK, Colours, ink, mixed
+from geoweave.marks import outline
+from geoweave.nesting import Sheet, Stock, nested
+from geoweave.output import replacing
+from geoweave.pattern import Pattern
+
+__all__ = ["PAPERS", "RULER", "Paper", "laid_on_pages", "page_stock", "pdf_bytes", "write_pdf"]
+
+MM = 72 / 25.4
+"""Points in a millimetre."""
+
+FAINT = "#6e747b"
+MARGIN, FOOT, CROSS = 12.0, 21.0, 7.0
+"""Margin of a page, height of what stands below the strips, and the crosses' distance from the edges, mm."""
+
+RULER = (14.0, 20.0, 100.0)
+"""Where the ruler begins and how long it is, mm."""
+
+
+class Paper(NamedTuple):
+    """A page, laid on its long side, mm."""
+
+    name: str
+    width: float
+    height: float
+
+
+PAPERS = {"a4": Paper("A4", 297.0, 210.0), "letter": Paper("US Letter", 279.4, 215.9)}
+"""The papers there are."""
+
+
+def page_stock(paper: Paper) -> Stock:
+    """Room for strips on a page."""
+    return Stock(paper.width - 2 * MARGIN, paper.height - 2 * MARGIN - FOOT, margin=0.5, gap=2.5)
+
+
+def laid_on_pages(drawings: Sequence[Drawn], paper: Paper) -> tuple[Sheet, ...]:
+    """Lay pieces on pages."""
+    return nested(drawings, page_stock(paper))
+
+
+def write_pdf(
+    path: str | PathLike[str],
+    pattern: Pattern,
+    pages: Sequence[Sheet],
+    paper: Paper,
+    colours: Colours,
+    title: str,
+) -> None:
+    """Write pages as PDF, whole or not at all."""
+    data = pdf_bytes(pattern, pages, paper, colours, title)
+    with replacing(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def pdf_bytes(pattern: Pattern, pages: Sequence[Sheet], paper: Paper, colours: Colours, title: str) -> bytes:
+    """The file, without a date: the same pages give the same bytes."""
+    out = io.BytesIO()
+    canvas = Canvas(out, pagesize=(paper.width * MM, paper.height * MM), invariant=1, pageCompression=1)
+    canvas.setTitle(title)
+    canvas.setCreator("geoweave")
+    for number in range(len(pages)):
+        canvas.saveState()
+        canvas.scale(MM, MM)
+        canvas.setLineCap(1)
+        canvas.setLineJoin(1)
+        _strips(canvas, pages[number], colours)
+        _crosses(canvas, paper)
+        _ruler(canvas)
+        _legend(canvas, pattern, paper, colours)
+        _map(canvas, pattern, pages, number, paper, colours, title)
+        canvas.restoreState()
+        canvas.showPage()
+    canvas.save()
+    return out.getvalue()
+
+
+def _strips(canvas: Any, page: Sheet, colours: Colours) -> None:
+    shown = [laid.figures for laid in page.laid]
+    for layer in LAYERS:
+        for figures in shown:
+            for figure in figures:
+                if ROLES[figure.role] == layer:
+                    _figure(canvas, figure.moved(MARGIN, MARGIN + FOOT), colours)
+
+
+def _figure(canvas: Any, figure: Figure, colours: Colours) -> None:
+    look = ink(figure, colours)
+    if look is None:
+        return
+    if look.stroke is not None:
+        canvas.setStrokeColor(look.stroke)
+        canvas.setLineWidth(look.width)
+    if look.fill is not None:
+        canvas.setFillColor(look.fill)
+    path = canvas.beginPath()
+    for points in figure.paths:
+        path.moveTo(*points[0])
+        for point in points[1:]:
+            path.lineTo(*point)
+        if figure.closed:
+            path.close()
+    canvas.drawPath(path, stroke=int(look.stroke is not None), fill=int(look.fill is not None))
+
+
+def _crosses(canvas: Any, paper: Paper) -> None:
+    """Registration marks in the corners."""
+    canvas.setStrokeColor(INK)
+    canvas.setLineWidth(0.12)
+    for x in (CROSS, paper.width - CROSS):
+        for y in (CROSS, paper.height - CROSS):
+            canvas.circle(x, y, 1.2, stroke=1, fill=0)
+            canvas.line(x - 2, y, x + 2, y)
+            canvas.line(x, y - 2, x, y + 2)
+
+
+def _ruler(canvas: Any) -> None:
+    """A hundred millimetres, to be measured after printing; the black bar is as long as it says."""
+    x, y, length = RULER
+    canvas.setFillColor(INK)
+    canvas.setStrokeColor(INK)
+    canvas.rect(x, y - 0.3, length, 0.6, stroke=0, fill=1)
+    canvas.setLineWidth(0.12)
+    canvas.setLineCap(0)
+    for tick in range(101):
+        if 0 < tick < 100:
+            tall = 2.6 if tick % 10 == 0 else 1.8 if tick % 5 == 0 else 1.1
+            canvas.line(x + tick, y, x + tick, y + tall)
+    canvas.setLineCap(1)
+    canvas.setFont("Helvetica", 2.3)
+    for tick in range(10, 100, 10):
+        canvas.drawCentredString(x + tick, y + 3.2, str(tick))
+    canvas.setFillColor(FAINT)
+    canvas.drawString(x, y - 3.4, "The bar is 100 mm long. Print at 100 %, without fitting to the page.")
+
+
+def _legend(canvas: Any, pattern: Pattern, paper: Paper, colours: Colours) -> None:
+    """What over and under look like."""
+    families = sorted({strip.family for strip in pattern.strips})
+    own, other = (colours.of_family(families[k % len(families)]) for k in (0, 1))
+    x, y, half = 122.0, 20.6, 2.6
+    lean = half / math.tan(math.radians(60))
+    dark = mixed(other, INK, 0.62)
+    for over, left in ((False, x), (True, x + 31)):
+        canvas.setFillColor(mixed(own, "#ffffff", 0.16))
+        canvas.rect(left, y - half, 11, 2 * half, stroke=0, fill=1)
+        if not over:
+            _polygon(
+                canvas,
+                [(left + 5.5 + s * 3 + t * lean, y + t * half) for s, t in _CORNERS],
+                mixed(other, "#ffffff", 0.42),
+                None,
+            )
+        canvas.setStrokeColor(dark)
+        canvas.setLineWidth(0.16)
+        if over:
+            canvas.setDash([0.6, 0.5])
+        for shift in (-3.0, 3.0) if over else (-3.0, -2.6, 2.6, 3.0):
+            canvas.line(left + 5.5 + shift - lean, y - half, left + 5.5 + shift + lean, y + half)
+        canvas.setDash()
+        canvas.setStrokeColor(INK)
+        canvas.line(left, y - half, left + 11, y - half)
+        canvas.line(left, y + half, left + 11, y + half)
+        star = 1.3 * outline(3) + [left + 5.5, y]
+        _polygon(canvas, star.tolist(), "#ffffff" if over else dark, dark)
+        canvas.setFillColor(INK)
+        canvas.setFont("Helvetica", 2.3)
+        canvas.drawString(left + 12.2, y + 0.4, "this strip goes")
+        canvas.setFont("Helvetica-Bold", 2.3)
+        canvas.drawString(left + 12.2, y - 2.4, "over" if over else "under")
+    canvas.setFillColor(FAINT)
+    canvas.setFont("Helvetica", 2.3)
+    apart = (paper.width - 2 * CROSS, paper.height - 2 * CROSS)
+    canvas.drawString(
+        x, 16.6 - 3.2, f"Printed side outwards. Corner crosses are {apart[0]:g} x {apart[1]:g} mm apart."
+    )
+
+
+_CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+
+
+def _polygon(canvas: Any, points: Sequence[Sequence[float]], fill: str, stroke: str | None) -> None:
+    path = canvas.beginPath()
+    path.moveTo(*points[0])
+    for point in points[1:]:
+        path.lineTo(*point)
+    path.close()
+    canvas.setFillColor(fill)
+    if stroke is not None:
+        canvas.setStrokeColor(stroke)
+    canvas.drawPath(path, stroke=int(stroke is not None), fill=1)
+
+
+def _map(
+    canvas: Any,
+    pattern: Pattern,
+    pages: Sequence[Sheet],
+    number: int,
+    paper: Paper,
+    colours: Colours,
+    title: str,
+) -> None:
+    """All pages, small, with their strips; this one in a frame."""
+    right, top, high = paper.width - MARGIN - 2, MARGIN + FOOT - 2.6, 13.0
+    left = 190.0
+    ratio = paper.width / paper.height
+    rows = 1
+    while math.ceil(len(pages) / rows) * (high / rows) * ratio > right - left:
+        rows += 1
+    tall = high / rows
+    wide, columns = tall * ratio, math.ceil(len(pages) / rows)
+    start = right - columns * wide
+    for k, page in enumerate(pages):
+        x, y = start + (k % columns) * wide, top - (k // columns + 1) * tall
+        scale = 0.88 * tall / paper.height
+        here = k == number
+        canvas.setFillColor("#ffffff")
+        canvas.setStrokeColor(INK if here else "#b9bec4")
+        canvas.setLineWidth(0.35 if here else 0.12)
+        canvas.rect(x, y, 0.88 * wide, 0.88 * tall, stroke=1, fill=1)
+        canvas.setLineCap(0)
+        for laid in page.laid:
+            family = colours.of_family(pattern.strips[laid.drawn.piece.strip].family)
+            canvas.setStrokeColor(family if here else mixed(family, "#ffffff", 0.6))
+            canvas.setLineWidth(max(0.7 * pattern.width * scale, 0.08))
+            base = y + (laid.y + MARGIN + FOOT) * scale
+            canvas.line(
+                x + (laid.x + MARGIN) * scale,
+                base,
+                x + (laid.x + MARGIN + laid.drawn.piece.length) * scale,
+                base,
+            )
+        canvas.setLineCap(1)
+    canvas.setFillColor(INK)
+    canvas.setFont("Helvetica-Bold", 2.6)
+    canvas.drawRightString(right, 13.2, f"{title}   {paper.name}   page {number + 1} of {len(pages)}")

@@ -1,0 +1,90 @@
+"""A sheet as SVG in true millimetres, one group per layer, as Inkscape and laser cutters read it."""
+
+from __future__ import annotations
+
+from os import PathLike
+from xml.sax.saxutils import escape, quoteattr
+
+from geoweave.flatdrawing import LAYERS, ROLES, Figure
+from geoweave.inks import Colours, ink
+from geoweave.nesting import Laid, Sheet
+from geoweave.output import replacing
+from geoweave.pattern import Pattern
+
+__all__ = ["svg_text", "write_svg"]
+
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
+
+
+def write_svg(
+    path: str | PathLike[str], pattern: Pattern, sheet: Sheet, colours: Colours, title: str
+) -> None:
+    """Write a sheet as SVG, whole or not at all."""
+    text = svg_text(pattern, sheet, colours, title)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def svg_text(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> str:
+    """The text of the SVG: one user unit is one millimetre; ``data-`` attributes name strip and crossing."""
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        (
+            f'{HEAD}version="1.1" width="{_number(sheet.width)}mm" height="{_number(sheet.height)}mm" '
+            f'viewBox="0 0 {_number(sheet.width)} {_number(sheet.height)}" '
+            'fill="none" stroke-linecap="round" stroke-linejoin="round">'
+        ),
+        f"<title>{escape(title)}</title>",
+    ]
+    shown = [(piece, piece.figures) for piece in sheet.laid]
+    for layer in LAYERS:
+        inner: list[str] = []
+        for piece, figures in shown:
+            paths = [
+                line
+                for figure in figures
+                if ROLES[figure.role] == layer and (line := _path(figure, colours, sheet.height))
+            ]
+            if paths:
+                inner += [f'<g id="{layer}-{_name(pattern, piece)}">', *paths, "</g>"]
+        if inner:
+            lines += [
+                f'<g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}">',
+                *inner,
+                "</g>",
+            ]
+    return "\n".join([*lines, "</svg>"]) + "\n"
+
+
+def _path(figure: Figure, colours: Colours, height: float) -> str:
+    look = ink(figure, colours)
+    if look is None:
+        return ""
+    data = " ".join(
+        "M"
+        + " L".join(f"{_number(x)},{_number(height - y)}" for x, y in path)
+        + (" Z" if figure.closed else "")
+        for path in figure.paths
+    )
+    fields = [f'class="{figure.role}"', f'd="{data}"']
+    if look.stroke is not None:
+        fields.append(f'stroke="{look.stroke}" stroke-width="{_number(look.width)}"')
+    if look.fill is not None:
+        fields.append(f'fill="{look.fill}"')
+    if figure.crossing >= 0:
+        fields.append(f'data-crossing="{figure.crossing}"')
+    if figure.text:
+        fields.append(f"data-text={quoteattr(figure.text)}")
+    return f"<path {' '.join(fields)}/>"
+
+
+def _name(pattern: Pattern, laid: Laid) -> str:
+    piece = laid.drawn.piece
+    label = pattern.strips[piece.strip].label
+    return label if piece.total == 1 else f"{label}-{piece.number}"
+
+
+def _number(value: float) -> str:
+    """Millimetres to a tenth of a micrometre, without trailing zeros."""
+    text = f"{value:.4f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text

@@ -1,0 +1,222 @@
+"""Everything a maker takes to the bench, written together or not at all (Section 5.4)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geoweave.assembly import Step, assembly
+from geoweave.cutlist import cut_list
+from geoweave.drawing_dxf import write_dxf
+from geoweave.drawing_pdf import PAPERS, laid_on_pages, page_stock, write_pdf
+from geoweave.drawing_svg import write_svg
+from geoweave.errors import FieldError
+from geoweave.flatdrawing import Drawn, drawn
+from geoweave.inks import Colours
+from geoweave.nesting import Sheet, Stock, nested
+from geoweave.output import OutputError, check_writable, replacing
+from geoweave.pattern import Pattern
+from geoweave.pieces import Making, pieces_of
+from geoweave.solid import write_glb
+
+if TYPE_CHECKING:
+    from geoweave.woven import Weave
+
+__all__ = ["FORMATS", "Bench", "check_formats", "pattern_document", "write"]
+
+FORMATS = {
+    "pattern": "pattern.json, flat strips, crossings and the order of assembly",
+    "csv": "cutlist.csv, lengths and stock",
+    "svg": "pattern.svg, sheets in true millimetres with the layers of a laser cutter",
+    "dxf": "pattern.dxf, the same as DXF R2010",
+    "pdf": "pattern-a4.pdf and pattern-letter.pdf, pages at true scale",
+    "glb": "weave.glb, the woven object",
+}
+"""What a pattern can be written as."""
+
+MOST_SHEETS = 400
+"""Pages or sheets that are still written."""
+
+
+@dataclass(frozen=True)
+class Bench:
+    """How a pattern is made.
+
+    Attributes
+    ----------
+    making : overlap, extra and kerf
+    stock : sheets of the SVG and of the DXF; by default one long sheet
+    stock_length : of the strips that the cut list counts, mm
+    colours : of SVG and DXF
+    paper_colours : of the pages
+    title : what the drawings are called
+    """
+
+    making: Making = field(default_factory=Making)
+    stock: Stock = field(default_factory=Stock)
+    stock_length: float = 1000.0
+    colours: Colours = field(default_factory=Colours)
+    paper_colours: Colours = field(default_factory=lambda: Colours("paper"))
+    title: str = "weave"
+
+
+def check_formats(names: Iterable[str]) -> tuple[str, ...]:
+    """Return the formats of these names, each once, in the order of `FORMATS`.
+
+    Raises
+    ------
+    OutputError
+        If there is no such format.
+    """
+    asked = [name.strip().lower() for name in names]
+    for name in asked:
+        if name not in FORMATS:
+            raise OutputError(
+                f"there is no format '{name}' for a pattern; the formats are {', '.join(FORMATS)}"
+            )
+    return tuple(name for name in FORMATS if name in asked)
+
+
+def pattern_document(pattern: Pattern, bench: Bench, order: tuple[Step, ...] | None = None) -> dict[str, Any]:
+    """The contents of ``pattern.json``: the pattern, how it is made, and the order of assembly."""
+    steps = assembly(pattern) if order is None else order
+    return {
+        **pattern.document(),
+        "making": vars(bench.making),
+        "assembly": [
+            {"strip": step.strip, "backbone": step.backbone, "crossings": list(step.crossings)}
+            for step in steps
+        ],
+    }
+
+
+def write(
+    pattern: Pattern,
+    folder: str | PathLike[str],
+    formats: Iterable[str] = tuple(FORMATS),
+    *,
+    bench: Bench | None = None,
+    weave: Weave | Mapping[str, Any] | None = None,
+) -> dict[str, Path]:
+    """Write a pattern, all files together or none.
+
+    Parameters
+    ----------
+    pattern : the pattern
+    folder : where to; it is made if it is not there, in a folder that is
+    formats : names from `FORMATS`
+    bench : how it is made
+    weave : the weave the pattern is of, or the contents of its ``weave.json``; needed for the GLB only, as a
+        pattern does not know where its ribbons are
+
+    Returns
+    -------
+    dict
+        Path of each file by its name.
+
+    Raises
+    ------
+    OutputError
+        If a format is unknown, the GLB is asked for without a weave, or a file cannot be written there.
+    FieldError
+        If strips do not fit on the sheets, or their crossings are too dense to be labelled.
+    """
+    wanted, how = check_formats(formats), bench or Bench()
+    if not wanted:
+        raise OutputError(f"no format is asked for; the formats are {', '.join(FORMATS)}")
+    if "glb" in wanted and weave is None:
+        raise OutputError(
+            "the GLB needs the weave itself, as a pattern has no places in space; leave 'glb' out"
+        )
+    target = Path(folder)
+    jobs = _jobs(pattern, wanted, how, weave)
+    new = not target.exists()
+    if new:
+        check_writable(target)
+        target.mkdir()
+    try:
+        # Every file is written under a temporary name before the first of them takes its place.
+        with ExitStack() as stack:
+            for name, job in jobs.items():
+                job(stack.enter_context(replacing(target / name)))
+    except BaseException:
+        if new:
+            with suppress(OSError):
+                target.rmdir()
+        raise
+    return {name: target / name for name in jobs}
+
+
+_Job = Callable[[Path], None]
+
+
+def _jobs(
+    pattern: Pattern, wanted: tuple[str, ...], how: Bench, weave: Weave | Mapping[str, Any] | None
+) -> dict[str, _Job]:
+    """What writes each file; everything that may be refused is refused here."""
+    jobs: dict[str, _Job] = {}
+    order = assembly(pattern)
+    if "pattern" in wanted:
+        text = json.dumps(pattern_document(pattern, how, order), indent=1, allow_nan=False) + "\n"
+        jobs["pattern.json"] = _text(text)
+    if "csv" in wanted:
+        jobs["cutlist.csv"] = _text(cut_list(pattern, how.making, how.stock_length).text(pattern, order))
+    if "svg" in wanted or "dxf" in wanted:
+        sheets = nested(_drawings(pattern, how, how.stock.room), how.stock)
+        _few(sheets)
+        for number, sheet in enumerate(sheets, 1):
+            name = "pattern" if len(sheets) == 1 else f"pattern-{number:02d}"
+            title = how.title if len(sheets) == 1 else f"{how.title}, sheet {number} of {len(sheets)}"
+            if "svg" in wanted:
+                jobs[f"{name}.svg"] = _svg(pattern, sheet, how.colours, title)
+            if "dxf" in wanted:
+                jobs[f"{name}.dxf"] = _dxf(pattern, sheet, how.colours)
+    if "pdf" in wanted:
+        for key, paper in PAPERS.items():
+            pages = laid_on_pages(_drawings(pattern, how, page_stock(paper).room), paper)
+            _few(pages)
+            jobs[f"pattern-{key}.pdf"] = _pdf(pattern, pages, key, how)
+    if "glb" in wanted:
+        assert weave is not None  # or it would have been refused
+        jobs["weave.glb"] = _glb(weave, how.paper_colours)
+    return jobs
+
+
+def _drawings(pattern: Pattern, how: Bench, longest: float) -> list[Drawn]:
+    return [drawn(pattern, piece, how.making) for piece in pieces_of(pattern, how.making, longest)]
+
+
+def _few(sheets: tuple[Sheet, ...]) -> None:
+    if len(sheets) > MOST_SHEETS:
+        raise FieldError(
+            f"the pattern needs {len(sheets)} sheets, more than {MOST_SHEETS}; "
+            "make the object smaller or ask for fewer ribbons"
+        )
+
+
+def _text(text: str) -> _Job:
+    def job(path: Path) -> None:
+        path.write_text(text, encoding="utf-8", newline="\n")
+
+    return job
+
+
+def _svg(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> _Job:
+    return lambda path: write_svg(path, pattern, sheet, colours, title)
+
+
+def _dxf(pattern: Pattern, sheet: Sheet, colours: Colours) -> _Job:
+    return lambda path: write_dxf(path, pattern, sheet, colours)
+
+
+def _pdf(pattern: Pattern, pages: tuple[Sheet, ...], key: str, how: Bench) -> _Job:
+    return lambda path: write_pdf(path, pattern, pages, PAPERS[key], how.paper_colours, how.title)
+
+
+def _glb(weave: Weave | Mapping[str, Any], colours: Colours) -> _Job:
+    return lambda path: write_glb(path, weave, colours.families)

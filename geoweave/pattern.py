@@ -1,0 +1,351 @@
+"""The pattern that a maker works from: flat strips and what is marked on them (Section 5.4).
+
+A ribbon that follows a geodesic is straight when it is laid flat, so a strip is a length, a width and the
+places of its crossings. A strip is seen from the side that the normals of the surface point to, its first
+end to the left; angles turn to the left. ``pattern.json`` holds no coordinate in space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geoweave.arrays import Indices, Scalars, Vectors, frozen
+from geoweave.errors import FieldError
+from geoweave.marks import MARKS, assigned
+
+if TYPE_CHECKING:
+    from geoweave.woven import Weave
+
+__all__ = ["FORMAT", "VERSION", "Passage", "Pattern", "Strip", "bow_and_turning", "pattern_of"]
+
+FORMAT, VERSION = "geoweave-pattern", 1
+"""What the first lines of ``pattern.json`` say."""
+
+
+class Strip(NamedTuple):
+    """One ribbon, laid flat."""
+
+    label: str
+    """Its name: family and number."""
+    family: int
+    """From 0."""
+    closed: bool
+    """Whether its ends are joined."""
+    length: float
+    """Of the centreline, mm; once round for a closed one."""
+    bow: float
+    """How far its centreline, laid flat with its geodesic curvature, leaves the straight strip, mm."""
+    turning: float
+    """By how much its direction, laid flat so, varies along it, degrees."""
+
+
+class Passage(NamedTuple):
+    """A crossing as one strip sees it."""
+
+    crossing: int
+    """The crossing, from 0."""
+    side: int
+    """0 or 1: which of the two strips of the crossing this one is."""
+    at: float
+    """Where on the strip, mm from its first end."""
+    partner: int
+    """The other strip; the same one where a strip crosses itself."""
+    over: bool
+    """Whether this strip lies above."""
+    angle: float
+    """From the direction of this strip to that of the partner, degrees in (-180, 180], left is positive."""
+    mark: int
+    """Index into `MARKS`."""
+    label: str
+    """What is written beside the mark: name of the partner, and the round if there is more than one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Flat strips and their crossings, in mm.
+
+    Attributes
+    ----------
+    strips : the ribbons
+    width, thickness : of a ribbon, mm
+    ribbons : (C, 2) the two strips of each crossing
+    at : (C, 2) where on each of them, mm from its first end
+    angle : (C,) from the direction of the first strip to that of the second, degrees in (-180, 180]
+    over : (C,) which of the two lies above, 0 or 1
+    mark : (C,) index into `MARKS`
+    round : (C,) 0 unless the two strips cross more often than there are marks
+
+    Raises
+    ------
+    FieldError
+        If a crossing names a strip that is not there, lies beyond its end, or two crossings of the same two
+        strips have the same mark.
+    """
+
+    strips: tuple[Strip, ...]
+    width: float
+    thickness: float
+    ribbons: Indices
+    at: NDArray[np.float64]
+    angle: Scalars
+    over: Indices
+    mark: Indices
+    round: Indices
+
+    def __post_init__(self) -> None:
+        for name in ("width", "thickness"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise FieldError(f"the {name} of the strips must be a positive number of mm, not {value}")
+        for field in fields(self)[3:]:
+            frozen(getattr(self, field.name))
+        if self.ribbons.shape != self.at.shape or self.ribbons.shape != (len(self.angle), 2):
+            raise FieldError(
+                f"crossings are (C, 2) strips and (C, 2) places, not {self.ribbons.shape} and {self.at.shape}"
+            )
+        if len(self.ribbons) and not 0 <= self.ribbons.min() <= self.ribbons.max() < len(self.strips):
+            raise FieldError(f"a crossing names a strip that is not one of the {len(self.strips)}")
+        lengths = np.array([strip.length for strip in self.strips])
+        outside = (self.at < -1e-6) | (self.at > lengths[self.ribbons] + 1e-6) | ~np.isfinite(self.at)
+        if outside.any():
+            x, side = (int(each) for each in np.argwhere(outside)[0])
+            strip = self.strips[self.ribbons[x, side]]
+            raise FieldError(
+                f"crossing {x} is {self.at[x, side]:.6g} mm along {strip.label}, "
+                f"which is {strip.length:.6g} mm long"
+            )
+        keys = np.column_stack([np.sort(self.ribbons, axis=1), self.mark, self.round])
+        if len(np.unique(keys, axis=0)) < len(keys):
+            raise FieldError("two crossings of the same two strips have the same mark")
+
+    @cached_property
+    def passages(self) -> tuple[tuple[Passage, ...], ...]:
+        """Crossings of each strip in the order in which they come on it."""
+        found: list[list[Passage]] = [[] for _ in self.strips]
+        for flat in np.lexsort((self.at.ravel(), self.ribbons.ravel())).tolist():
+            x, side = divmod(flat, 2)
+            partner = int(self.ribbons[x, 1 - side])
+            again = f"/{self.round[x] + 1}" if self.round[x] else ""
+            found[self.ribbons[x, side]].append(
+                Passage(
+                    x,
+                    side,
+                    float(self.at[x, side]),
+                    partner,
+                    bool(self.over[x] == side),
+                    _within(-float(self.angle[x]) if side else float(self.angle[x])),
+                    int(self.mark[x]),
+                    self.strips[partner].label + again,
+                )
+            )
+        return tuple(tuple(each) for each in found)
+
+    def document(self) -> dict[str, Any]:
+        """The contents of ``pattern.json``; lengths to a tenth of a micrometre, angles to 1e-4 degrees."""
+        return {
+            "format": FORMAT,
+            "version": VERSION,
+            "units": "mm",
+            "width": round(self.width, 4),
+            "thickness": round(self.thickness, 4),
+            "marks": list(MARKS),
+            "strips": [
+                {
+                    "id": r,
+                    "label": strip.label,
+                    "family": strip.family,
+                    "closed": strip.closed,
+                    "length": round(strip.length, 4),
+                    "bow": round(strip.bow, 4),
+                    "turning_deg": round(strip.turning, 4),
+                    "crossings": [
+                        {
+                            "crossing": each.crossing,
+                            "side": each.side,
+                            "at": round(each.at, 4),
+                            "partner": each.partner,
+                            "label": each.label,
+                            "mark": MARKS[each.mark],
+                            "over": each.over,
+                            "angle_deg": round(each.angle, 4),
+                        }
+                        for each in self.passages[r]
+                    ],
+                }
+                for r, strip in enumerate(self.strips)
+            ],
+            "crossings": [
+                {
+                    "id": x,
+                    "strips": self.ribbons[x].tolist(),
+                    "at": [round(each, 4) for each in self.at[x].tolist()],
+                    "angle_deg": round(float(self.angle[x]), 4),
+                    "over": int(self.over[x]),
+                    "mark": MARKS[self.mark[x]],
+                    "round": int(self.round[x]),
+                }
+                for x in range(len(self.ribbons))
+            ],
+        }
+
+    @classmethod
+    def from_document(cls, document: Mapping[str, Any], name: str = "pattern.json") -> Pattern:
+        """Read what `document` wrote.
+
+        Raises
+        ------
+        FieldError
+            If it is no pattern, or holds something that no pattern has.
+        """
+        if document.get("format") != FORMAT or document.get("version") != VERSION:
+            raise FieldError(f"{name}: is not a {FORMAT} of version {VERSION}; write it anew")
+        try:
+            strips = tuple(
+                Strip(
+                    str(each["label"]),
+                    int(each["family"]),
+                    bool(each["closed"]),
+                    float(each["length"]),
+                    float(each["bow"]),
+                    float(each["turning_deg"]),
+                )
+                for each in document["strips"]
+            )
+            met = document["crossings"]
+            return cls(
+                strips,
+                float(document["width"]),
+                float(document["thickness"]),
+                np.array([each["strips"] for each in met], dtype=np.int64).reshape(-1, 2),
+                np.array([each["at"] for each in met], dtype=np.float64).reshape(-1, 2),
+                np.array([each["angle_deg"] for each in met], dtype=np.float64),
+                np.array([each["over"] for each in met], dtype=np.int64),
+                np.array([MARKS.index(each["mark"]) for each in met], dtype=np.int64),
+                np.array([each["round"] for each in met], dtype=np.int64),
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise FieldError(f"{name}: an entry of the pattern is missing or wrong ({error})") from error
+
+
+def pattern_of(weave: Weave | Mapping[str, Any], name: str = "weave.json") -> Pattern:
+    """Lay the ribbons of a weave flat.
+
+    The angle of a crossing is measured between the two segments that cross, about the normals there.
+
+    Parameters
+    ----------
+    weave : a weave in mm, or the contents of ``weave.json``
+    name : what a document is called in a refusal
+
+    Raises
+    ------
+    FieldError
+        If the weave is not in mm, or the document is no weave.
+    """
+    document = weave if isinstance(weave, Mapping) else weave.document()
+    if document.get("format") != "geoweave-weave" or document.get("version") != 1:
+        raise FieldError(f"{name}: is not a geoweave-weave of version 1; write it with 'geoweave weave'")
+    if document.get("units") != "mm":
+        raise FieldError(
+            f"{name}: a pattern needs lengths in mm; give the object a size ('--size', 'Weave.sized')"
+        )
+    try:
+        return _flattened(document)
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise FieldError(f"{name}: an entry of the weave is missing or wrong ({error!r})") from error
+
+
+def _flattened(document: Mapping[str, Any]) -> Pattern:
+    strips, headings, ups, starts = [], [], [], []
+    for each in document["ribbons"]:
+        points, normals = (np.array(each[key], dtype=np.float64) for key in ("points", "normals"))
+        closed = bool(each["closed"])
+        bow, turning = bow_and_turning(points, normals, closed)
+        strips.append(
+            Strip(str(each["label"]), int(each["family"]), closed, float(each["length"]), bow, turning)
+        )
+        ahead = np.diff(points, axis=0, append=points[:1] if closed else points[-1:])
+        steps = np.linalg.norm(ahead, axis=1)
+        if not closed:
+            ahead[-1] = ahead[-2]
+        headings.append(ahead)
+        ups.append(normals)
+        starts.append(np.cumsum(steps) - steps)
+    met = document["crossings"]
+    ribbons = np.array([each["ribbons"] for each in met], dtype=np.int64).reshape(-1, 2)
+    at = np.array([each["arclength"] for each in met], dtype=np.float64).reshape(-1, 2)
+    over = np.array([each["over_index"] for each in met], dtype=np.int64)
+    angle = np.empty(len(met))
+    for x, (pair, where) in enumerate(zip(ribbons.tolist(), at.tolist(), strict=True)):
+        place = [
+            min(max(int(np.searchsorted(starts[r], s, side="right")) - 1, 0), len(starts[r]) - 1)
+            for r, s in zip(pair, where, strict=True)
+        ]
+        one, other = (headings[r][k] for r, k in zip(pair, place, strict=True))
+        up = ups[pair[0]][place[0]] + ups[pair[1]][place[1]]
+        up = up / np.linalg.norm(up)
+        one, other = one - (one @ up) * up, other - (other @ up) * up
+        angle[x] = np.degrees(np.arctan2(up @ np.cross(one, other), one @ other))
+    closed_ones = np.array([strip.closed for strip in strips], dtype=bool)
+    mark, again = assigned(ribbons, at, closed_ones)
+    return Pattern(
+        tuple(strips),
+        float(document["width"]),
+        float(document["thickness"]),
+        ribbons,
+        at,
+        angle,
+        over,
+        mark,
+        again,
+    )
+
+
+def bow_and_turning(points: Vectors, normals: Vectors, closed: bool) -> tuple[float, float]:
+    """How far a ribbon on a surface is from a straight strip, laid flat with its geodesic curvature.
+
+    At each point the plane of the next segment is turned into that of the one before, about their common
+    line; what the direction then turns by is the geodesic curvature that a straight strip neglects.
+
+    Parameters
+    ----------
+    points : (P, 3) the centreline; a closed one does not repeat its first point
+    normals : (P, 3) unit normal of the surface along the segment from each point to the next
+    closed : whether a last segment leads back
+
+    Returns
+    -------
+    tuple
+        Largest distance of the flat centreline from the straight line between its ends, in the unit of the
+        points, and the range of its direction, degrees.
+    """
+    ahead = np.diff(points, axis=0, append=points[:1]) if closed else np.diff(points, axis=0)
+    up = normals[: len(ahead)]
+    steps = np.linalg.norm(ahead, axis=1)
+    kept = steps > 1e-12 * steps.sum()
+    ahead, up, steps = ahead[kept], up[kept], steps[kept]
+    before, after = up[:-1], up[1:]
+    axis, cosine = np.cross(after, before), (after * before).sum(axis=1, keepdims=True)
+    there = ahead[1:]
+    unfolded = (
+        there * cosine
+        + np.cross(axis, there)
+        + axis * (axis * there).sum(axis=1, keepdims=True) / np.maximum(1 + cosine, 1e-12)
+    )
+    left = np.cross(before, ahead[:-1])
+    turned = np.arctan2((left * unfolded).sum(axis=1), (ahead[:-1] * unfolded).sum(axis=1))
+    heading = np.concatenate([[0.0], np.cumsum(turned)])
+    flat = np.concatenate([[0.0], np.cumsum(steps * np.exp(1j * heading))])
+    along = flat[-1] / abs(flat[-1]) if abs(flat[-1]) > 0 else 1.0
+    return float(np.abs((flat / along).imag).max()), float(np.degrees(np.ptp(heading)))
+
+
+def _within(degrees: float) -> float:
+    """The same angle in (-180, 180]."""
+    return 180.0 - (180.0 - degrees) % 360.0

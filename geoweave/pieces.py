@@ -1,0 +1,154 @@
+"""What is cut: strips with what is added to their length, in pieces where they are longer than the sheet."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from geoweave.errors import FieldError
+from geoweave.pattern import Passage, Pattern
+
+__all__ = ["Join", "Making", "Piece", "cut_length", "pieces_of", "shown"]
+
+
+@dataclass(frozen=True)
+class Making:
+    """How strips are cut, in mm.
+
+    Attributes
+    ----------
+    overlap : length by which two pieces of one strip lie on each other, and of the tab of a closed ribbon
+    extra : added beyond each end of an open ribbon
+    kerf : width of the cut; outlines are drawn half of it outside, so that the strip comes out as it should
+
+    Raises
+    ------
+    FieldError
+        If a number is out of range.
+    """
+
+    overlap: float = 15.0
+    extra: float = 0.0
+    kerf: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (math.isfinite(value) and value >= 0):
+                raise FieldError(f"the {name} of strips must be 0 mm or more, not {value}")
+        if self.overlap < 1:
+            raise FieldError(
+                f"strips that overlap by {self.overlap} mm cannot be joined; 1 mm or more is needed"
+            )
+
+
+class Join(NamedTuple):
+    """Where two pieces of a strip, or the two ends of a closed one, lie on each other."""
+
+    low: float
+    """Where the overlap begins, mm along the strip."""
+    high: float
+    """Where it ends."""
+    name: str
+    """The same on both sides."""
+    ahead: bool
+    """Whether it is at the end of the piece, not at its start."""
+
+
+class Piece(NamedTuple):
+    """A strip, or a part of one, that is cut in one go."""
+
+    strip: int
+    number: int
+    """From 1."""
+    total: int
+    """Of pieces of this strip."""
+    start: float
+    """Where it begins, mm along the strip; negative with something added."""
+    end: float
+    """Where it ends."""
+    joins: tuple[Join, ...]
+    """At most one at each end."""
+
+    @property
+    def length(self) -> float:
+        """In mm, without the kerf."""
+        return self.end - self.start
+
+
+def cut_length(pattern: Pattern, making: Making, strip: int) -> float:
+    """Length of a strip with what is added at its ends, mm."""
+    low, high = _ends(pattern, making, strip)
+    return high - low
+
+
+def pieces_of(pattern: Pattern, making: Making, longest: float = math.inf) -> tuple[Piece, ...]:
+    """Cut every strip into as few pieces as a sheet allows, all those of one strip equally long.
+
+    Parameters
+    ----------
+    pattern : the strips
+    making : what is added to them
+    longest : a piece with its kerf, mm
+
+    Raises
+    ------
+    FieldError
+        If pieces so short cannot overlap, or the tab of a closed ribbon is longer than the ribbon.
+    """
+    room, overlap = longest - making.kerf, making.overlap
+    if room < 3 * overlap:
+        raise FieldError(
+            f"a sheet that holds {longest:.6g} mm of a strip is too short for pieces that overlap by "
+            f"{overlap:g} mm; take a longer sheet or a smaller overlap"
+        )
+    found = []
+    for r, strip in enumerate(pattern.strips):
+        low, high = _ends(pattern, making, r)
+        if strip.closed and overlap > 0.5 * strip.length:
+            raise FieldError(
+                f"strip {strip.label} is {strip.length:.6g} mm round, too short for a tab of {overlap:g} mm"
+            )
+        count = max(math.ceil((high - low - overlap) / (room - overlap) - 1e-9), 1)
+        if high - low <= room:
+            count = 1
+        size = (high - low + (count - 1) * overlap) / count
+        for k in range(count):
+            start = low + k * (size - overlap)
+            end = high if k == count - 1 else start + size
+            joins = []
+            if k or strip.closed:
+                name = f"{strip.label}:{k or count}"
+                joins.append(Join(start, start + overlap, name, False))
+            if k < count - 1 or strip.closed:
+                joins.append(Join(end - overlap, end, f"{strip.label}:{k + 1}", True))
+            found.append(Piece(r, k + 1, count, start, end, tuple(joins)))
+    return tuple(found)
+
+
+def shown(pattern: Pattern, piece: Piece, border: float) -> tuple[Passage, ...]:
+    """Crossings that are marked on a piece, those on the tab of a closed ribbon once more.
+
+    In an overlap a crossing is marked on both pieces, unless it is nearer than a border to where one of them
+    is cut; so an overlap must be wider than two borders.
+    """
+    strip = pattern.strips[piece.strip]
+    behind = piece.start + (border if any(not each.ahead for each in piece.joins) else -math.inf)
+    ahead = piece.end - (border if any(each.ahead for each in piece.joins) else -math.inf)
+    found = []
+    for turn in (0.0, strip.length) if strip.closed else (0.0,):
+        for each in pattern.passages[piece.strip]:
+            at = each.at + turn
+            # The start of a closed ribbon is no cut to keep away from: its tab comes under it.
+            first = piece.number == 1 and strip.closed and turn == 0.0
+            if (first or at >= behind) and piece.start <= at + 1e-9 and at <= ahead:
+                found.append(each._replace(at=at))
+    return tuple(found)
+
+
+def _ends(pattern: Pattern, making: Making, strip: int) -> tuple[float, float]:
+    """Where a strip with what is added begins and ends, mm along it."""
+    length = pattern.strips[strip].length
+    if pattern.strips[strip].closed:
+        return 0.0, length + making.overlap
+    return -making.extra, length + making.extra

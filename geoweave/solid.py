@@ -1,0 +1,237 @@
+"""The woven object as GLB: one node per ribbon, with width and thickness, over and under (glTF 2.0)."""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping, Sequence
+from os import PathLike
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from geoweave.arrays import Scalars, Vectors
+from geoweave.errors import FieldError
+from geoweave.inks import FAMILIES
+from geoweave.output import replacing
+
+if TYPE_CHECKING:
+    from geoweave.woven import Weave
+
+__all__ = ["Ribbon", "glb_bytes", "solid_ribbons", "write_glb"]
+
+CLEAR = 1.1
+"""Distance of the middles of two ribbons where they cross, in thicknesses."""
+
+
+class Ribbon(NamedTuple):
+    """A ribbon as triangles."""
+
+    label: str
+    family: int
+    vertices: Vectors
+    """(V, 3) in the unit of the weave."""
+    normals: Vectors
+    """(V, 3) unit, outwards."""
+    triangles: NDArray[np.int64]
+    """(T, 3), counter-clockwise seen from outside."""
+
+
+def write_glb(
+    path: str | PathLike[str], weave: Weave | Mapping[str, Any], families: Sequence[str] = FAMILIES
+) -> None:
+    """Write the woven object as GLB, whole or not at all."""
+    data = glb_bytes(weave, families)
+    with replacing(path) as temporary:
+        temporary.write_bytes(data)
+
+
+def solid_ribbons(weave: Weave | Mapping[str, Any], step: float = 0.25) -> tuple[Ribbon, ...]:
+    """Give every ribbon its width and thickness, half a thickness and a little up or down at each crossing.
+
+    Parameters
+    ----------
+    weave : a weave, or the contents of ``weave.json``
+    step : between cross sections, in widths
+
+    Raises
+    ------
+    FieldError
+        If the document is no weave.
+    """
+    document = weave if isinstance(weave, Mapping) else weave.document()
+    if document.get("format") != "geoweave-weave":
+        raise FieldError("weave.json: is not a geoweave-weave; write it with 'geoweave weave'")
+    width, thickness = float(document["width"]), float(document["thickness"])
+    lifts: list[list[tuple[float, float]]] = [[] for _ in document["ribbons"]]
+    for each in document["crossings"]:
+        for side in (0, 1):
+            up = 0.5 * CLEAR * thickness * (1 if each["over_index"] == side else -1)
+            lifts[each["ribbons"][side]].append((float(each["arclength"][side]), up))
+    return tuple(
+        _ribbon(ribbon, sorted(lift), width, thickness, step * width)
+        for ribbon, lift in zip(document["ribbons"], lifts, strict=True)
+    )
+
+
+def glb_bytes(weave: Weave | Mapping[str, Any], families: Sequence[str] = FAMILIES) -> bytes:
+    """The file: metres where the weave is in mm, y up, a material per family; same weave, same bytes."""
+    document = weave if isinstance(weave, Mapping) else weave.document()
+    ribbons = solid_ribbons(document)
+    blob = bytearray()
+    views: list[dict[str, Any]] = []
+    accessors: list[dict[str, Any]] = []
+
+    def put(array: NDArray[Any], target: int, **more: Any) -> int:
+        data = array.tobytes()
+        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(data), "target": target})
+        blob.extend(data + b"\0" * (-len(data) % 4))
+        accessors.append({"bufferView": len(views) - 1, **more})
+        return len(accessors) - 1
+
+    meshes, nodes = [], []
+    used = sorted({ribbon.family for ribbon in ribbons})
+    for ribbon in ribbons:
+        points = ribbon.vertices.astype("<f4")
+        kinds = {"componentType": 5126, "count": len(points), "type": "VEC3"}
+        position = put(
+            points, 34962, **kinds, min=points.min(axis=0).tolist(), max=points.max(axis=0).tolist()
+        )
+        normal = put(ribbon.normals.astype("<f4"), 34962, **kinds)
+        order = put(
+            ribbon.triangles.astype("<u4").ravel(),
+            34963,
+            componentType=5125,
+            count=ribbon.triangles.size,
+            type="SCALAR",
+        )
+        meshes.append(
+            {
+                "name": ribbon.label,
+                "primitives": [
+                    {
+                        "attributes": {"POSITION": position, "NORMAL": normal},
+                        "indices": order,
+                        "material": used.index(ribbon.family),
+                    }
+                ],
+            }
+        )
+        nodes.append({"name": ribbon.label, "mesh": len(meshes) - 1})
+    unit = 0.001 if document["units"] == "mm" else 1.0
+    # glTF has y up, the surfaces have z up.
+    turned = {"rotation": [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))], "scale": [unit] * 3}
+    nodes.append({"name": "weave", "children": list(range(len(ribbons))), **turned})
+    content = {
+        "asset": {"version": "2.0", "generator": "geoweave"},
+        "scene": 0,
+        "scenes": [{"nodes": [len(nodes) - 1]}],
+        "nodes": nodes,
+        "meshes": meshes,
+        "materials": [_material(family, families[family % len(families)]) for family in used],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": len(blob)}],
+    }
+    text = json.dumps(content, separators=(",", ":"), allow_nan=False).encode()
+    text += b" " * (-len(text) % 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(blob), b"BIN\0") + blob
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def _material(family: int, colour: str) -> dict[str, Any]:
+    """A matt material; glTF takes linear values, colours are written in sRGB."""
+    srgb = np.array([int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)])
+    linear = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+    base = [round(float(each), 6) for each in linear] + [1.0]
+    return {
+        "name": f"family {family}",
+        "pbrMetallicRoughness": {"baseColorFactor": base, "metallicFactor": 0.0, "roughnessFactor": 0.75},
+    }
+
+
+def _ribbon(
+    ribbon: Mapping[str, Any], lift: list[tuple[float, float]], width: float, thickness: float, step: float
+) -> Ribbon:
+    points, normals = (np.array(ribbon[key], dtype=np.float64) for key in ("points", "normals"))
+    closed = bool(ribbon["closed"])
+    if closed:
+        points = np.concatenate([points, points[:1]])
+        normals = np.concatenate([normals, normals[:1]])
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    at = np.concatenate([[0.0], np.cumsum(steps)])
+    count = max(round(at[-1] / step), 2)
+    where = np.linspace(0.0, at[-1], count + 1)
+    centre = np.stack([np.interp(where, at, points[:, axis]) for axis in range(3)], axis=1)
+    # A normal belongs to the segment that follows its point, so to the middle of that one.
+    middles = 0.5 * (at[:-1] + at[1:])
+    if closed:
+        middles = np.concatenate([middles[-1:] - at[-1], middles, middles[:1] + at[-1]])
+        normals = np.concatenate([normals[-2:-1], normals[:-1], normals[:1]])
+    else:
+        normals = normals[:-1]
+    up = np.stack([np.interp(where, middles, normals[:, axis]) for axis in range(3)], axis=1)
+    ahead = np.gradient(centre, axis=0)
+    if closed:
+        ahead[0] = ahead[-1] = centre[1] - centre[-2]
+    ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
+    up -= (up * ahead).sum(axis=1, keepdims=True) * ahead
+    up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
+    side = np.cross(up, ahead)
+    height = _heights(where, lift, at[-1], closed)
+    return _tube(ribbon, centre + height[:, None] * up, side, up, ahead, width, thickness, closed)
+
+
+def _heights(where: Scalars, lift: list[tuple[float, float]], length: float, closed: bool) -> Scalars:
+    """Height above the surface: that of the crossings, monotone between them."""
+    if closed and lift:
+        lift = [(s - length, h) for s, h in lift] + lift + [(s + length, h) for s, h in lift]
+    place = np.array([s for s, _ in lift])
+    value = np.array([h for _, h in lift])
+    if len(place):
+        place, first = np.unique(place, return_index=True)
+        value = value[first]
+    if len(place) < 2:
+        return np.full(len(where), value[0] if len(place) else 0.0)
+    return np.asarray(PchipInterpolator(place, value)(np.clip(where, place[0], place[-1])))
+
+
+def _tube(
+    ribbon: Mapping[str, Any],
+    centre: Vectors,
+    side: Vectors,
+    up: Vectors,
+    ahead: Vectors,
+    width: float,
+    thickness: float,
+    closed: bool,
+) -> Ribbon:
+    """A rectangle swept along a line, with sharp edges; ends that are not joined are shut."""
+    count = len(centre)
+    vertices, normals, triangles = [], [], []
+    corners = [centre + a * 0.5 * width * side + b * 0.5 * thickness * up for a, b in _ROUND]
+    for k, normal in enumerate((-up, side, up, -side)):
+        first, base = np.arange(count - 1), 2 * count * k
+        vertices += [corners[k], corners[(k + 1) % 4]]
+        normals += [normal, normal]
+        a, b, c, d = base + first, base + count + first, base + count + first + 1, base + first + 1
+        triangles += [np.stack([a, c, b], axis=1), np.stack([a, d, c], axis=1)]
+    if not closed:
+        for end, sign in ((0, -1.0), (count - 1, 1.0)):
+            base = sum(len(each) for each in vertices)
+            vertices.append(np.array([corner[end] for corner in corners]))
+            normals.append(np.tile(sign * ahead[end], (4, 1)))
+            turn = np.array([[0, 1, 2], [0, 2, 3]]) if sign < 0 else np.array([[0, 2, 1], [0, 3, 2]])
+            triangles.append(base + turn)
+    return Ribbon(
+        str(ribbon["label"]),
+        int(ribbon["family"]),
+        np.concatenate(vertices),
+        np.concatenate(normals),
+        np.concatenate(triangles).astype(np.int64),
+    )
+
+
+_ROUND = ((-1, -1), (1, -1), (1, 1), (-1, 1))
