@@ -85,6 +85,35 @@ def foliations(sizes: tuple[int, ...] = (7_500, 30_000, 120_000)) -> list[dict]:
     return rows
 
 
+COVER_LIMITS = {5_600: (5.0, 3.0, 42.0), 30_000: (40.0, 3.0, 794.0)}
+"""Faces of the bunny: seconds and gigabytes allowed, and CPU seconds of the authors' code."""
+
+
+def covers() -> list[dict]:
+    print("\nFrom RoSy to crossings on bunnies, sixfold cover; seconds of wall clock (and of CPU).")
+    print("The limit of s and theta: as many factorisations of their cotan Laplacian and solves with it.\n")
+    stages = ("rosy", "cover", "field", "foliation", "ribbons", "interlacing")
+    print(
+        f"{'faces':>7} {'wall':>8} {'CPU':>8} {'allowed':>8} {'share':>6} "
+        + " ".join(f"{stage:>11}" for stage in stages)
+        + f" {'multiple':>8} {'memory':>8} {'authors, CPU':>12}"
+    )
+    rows = []
+    for faces, (seconds, gigabytes, authors) in COVER_LIMITS.items():
+        row = child("cover", str(faces))
+        row |= {"allowed": seconds, "allowed_gb": gigabytes, "authors_cpu": authors}
+        rows.append(row)
+        print(
+            f"{row['faces']:>7,} {row['total']:>6.2f} s {row['cpu']:>6.2f} s {seconds:>6.1f} s "
+            f"{row['total'] / seconds:>6.0%} "
+            + " ".join(f"{row['seconds'][stage] / row['total']:>11.0%}" for stage in stages)
+            + f" {row['seconds']['foliation'] / row['limit']:>7.1f}x {row['memory_gb']:>5.2f} GB "
+            f"{authors:>10,.0f} s",
+            flush=True,
+        )
+    return rows
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
@@ -92,6 +121,7 @@ def main() -> None:
     )
     largest = parser.parse_args().largest
     results = {"growth": growth(largest), "kkt": against_kkt(), "foliations": foliations()}
+    results["covers"] = covers()
     path = Path("build/bench/results.json")
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")

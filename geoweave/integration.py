@@ -130,6 +130,7 @@ def foliate(
     hold_s: bool = False,
     smoothness: float = SMOOTHNESS,
     seed: int = 0,
+    ordering: Ordering | None = None,
     callback: Callable[[int, float], None] | None = None,
 ) -> Foliation:
     """Integrate a field to a circle-valued function whose level sets follow it (steps 2 to 5 of 4.2.5).
@@ -160,6 +161,8 @@ def foliate(
     hold_s : keep the first s and find theta alone
     smoothness : mu of Eq. 8, in squared bounding radii
     seed : start of the first eigenvector iteration
+    ordering : of `vertices_and_faces` on the punctured surface, for several foliations of one field; made
+        here if not given
     callback : called with the number of each alternation and its energy
 
     Raises
@@ -176,7 +179,7 @@ def foliate(
     if weighting not in ("relative", "uniform"):
         raise FieldError(f"there is no weighting '{weighting}': relative or uniform")
     w, part = punctured(field)
-    ordering = vertices_and_faces(w.mesh)
+    ordering = ordering or vertices_and_faces(w.mesh)
     first = _first_factor(w, part, rescaling, ordering)
     s = scale * global_scale(w, first, quantile) * first
     unit = s if weighting == "relative" else component_means(w.mesh, s)[w.mesh.face_components]
