@@ -54,6 +54,9 @@ def _cotangents(mesh: TriMesh) -> Scalars:
 class Alternation:
     """The steps of Eq. 8 on one surface, with what they share: weights, patterns, the factors for s alone.
 
+    Where no loop of a component has a period, theta and s can shrink together and lower Eq. 8 without end.
+    There the mean of ``s / shat`` is held (DEVIATIONS.md, held-mean).
+
     Parameters
     ----------
     field : the unit field w
@@ -85,6 +88,9 @@ class Alternation:
         mass = np.repeat(mesh.face_areas / unit**2, 3) / 3.0
         self.mass = np.bincount(mesh.faces.ravel(), mass, mesh.n_vertices)
         self.component = mesh.vertex_components
+        self.free = mesh.betti_numbers == 0
+        areas = mesh.face_areas / np.bincount(mesh.face_components, mesh.face_areas)[mesh.face_components]
+        self.share_of_area = np.where(self.free[mesh.face_components], areas, 0.0)
         self.laplacian = face_laplacian(mesh)
         # What no edge crosses, no edge of the vertices alone or of the faces alone crosses either.
         ordering = vertices_and_faces(mesh) if ordering is None else ordering
@@ -237,6 +243,11 @@ class Alternation:
         matrix = self._joint(np.concatenate(entries))
         factors = self._factorized(self._joint, matrix, self.joint_ordering)
         step = factors.solve(np.concatenate([in_theta, free * in_share]))
+        if self.free.any():
+            mean = free * self.share_of_area
+            lift = factors.solve(np.concatenate([np.zeros(n), mean]))
+            rise, reach = (self._per_component(mean * each[n:]) for each in (step, lift))
+            step = step - self._spread(rise / np.where(reach > 0, reach, 1.0)) * lift
 
         def at(length: float) -> tuple[Scalars, Scalars]:
             return theta + length * step[:n], self.unit * np.maximum(share + length * step[n:], self.least)
@@ -250,6 +261,14 @@ class Alternation:
         matrix = sparse.csr_array(sparse.diags_array(stiffness) + self.smoothness * self.laplacian)
         return matrix, factorized(matrix, self.face_ordering)
 
+    def _per_component(self, values: Scalars) -> Scalars:
+        """Sums of face values over each component."""
+        return np.asarray(np.bincount(self.mesh.face_components, values, self.mesh.n_components))
+
+    def _spread(self, values: Scalars) -> Scalars:
+        """Values of the components at their vertices, then at their faces."""
+        return np.concatenate([values[self.component], values[self.mesh.face_components]])
+
     def improve_s(self, theta: Scalars, s: Scalars) -> Scalars:
         """One Gauss-Newton step of Eq. 8 in s alone, to the best s above its floor."""
         share = s / self.unit
@@ -257,6 +276,10 @@ class Alternation:
         _, _, in_share = self._model(theta, s)
         # The model 1/2 r' K r - (K share + downhill)' r, minimised over r >= least.
         best = bounded_minimum(matrix, factors, matrix @ share + in_share, self.least, share)
+        if self.free.any():
+            means = [self._per_component(self.share_of_area * each) for each in (share, best)]
+            factor = np.where(self.free, means[0] / np.where(self.free, means[1], 1.0), 1.0)
+            best = np.maximum(best * factor[self.mesh.face_components], self.least)
         length = _damping(lambda length: self.energy(theta, self.unit * (share + length * (best - share))))
         return np.asarray(self.unit * (share + length * (best - share)))
 

@@ -257,16 +257,24 @@ class TriMesh:
         """Sum of the genera of the components: chi = 2 c - 2 g - b."""
         return (2 * self.n_components - len(self.boundary_loops) - self.euler_characteristic) // 2
 
-    @property
-    def first_betti_number(self) -> int:
-        """Number of independent closed fields that are no gradient: 2 g, or 1 - chi with a boundary.
+    @cached_property
+    def betti_numbers(self) -> Indices:
+        """(components,) how many independent closed fields on each are no gradient: 2 g, or 1 - chi if open.
 
         A twisted component has -chi of them, with or without a boundary.
         """
-        bounded = np.zeros(self.n_components, dtype=bool)
-        bounded[self.vertex_components[self.boundary_vertices]] = True
-        plain = ~self.twisted_components
-        return int(plain.sum()) + int((plain & ~bounded).sum()) - self.euler_characteristic
+        count, component = self.n_components, self.vertex_components
+        euler = np.bincount(component, minlength=count) + np.bincount(self.face_components, minlength=count)
+        euler -= np.bincount(component[self.edges[:, 0]], minlength=count)
+        bounded = np.zeros(count, dtype=bool)
+        bounded[component[self.boundary_vertices]] = True
+        constants = np.where(self.twisted_components, 0, np.where(bounded, 1, 2))
+        return frozen(np.asarray(constants - euler, dtype=np.int64))
+
+    @property
+    def first_betti_number(self) -> int:
+        """Number of independent closed fields that are no gradient, over all components."""
+        return int(self.betti_numbers.sum())
 
     # -- signs of odd values: all +1 here, see `geoweave.twist` -------------------------------------------
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import geoweave as gw
-from geoweave import linalg
+from geoweave import linalg, shapes
 from geoweave.alternation import FLOOR, Alternation
 from geoweave.arrays import Scalars
 from geoweave.integration import punctured
@@ -88,3 +88,22 @@ def test_one_ordering_is_handed_on() -> None:
     # vertices come in the order in which they come among all
     among = ordering.order[ordering.order < mesh.n_vertices]
     np.testing.assert_array_equal(among, steps.vertex_ordering.order)
+
+
+def test_where_no_loop_has_a_period_the_mean_of_s_is_held() -> None:
+    """On a disk theta and s could shrink together; where punctures have periods s is free."""
+    held, bettis = [], []
+    for mesh in (shapes.saddle(faces=600), surface("jagged sphere")):
+        field, part = punctured(gw.smoothest_field(mesh))
+        mesh = part.mesh
+        s = np.full(mesh.n_faces, 20.0)
+        steps = Alternation(field, s, s, 1e-3)
+        _, theta = steps.eigenvector(steps.start(0), None, s)
+        for _ in range(3):
+            theta, s = steps.improve_both(theta, s)
+            s = steps.improve_s(theta, s)
+        bettis.append(mesh.betti_numbers.tolist())
+        held.append(np.average(s / steps.unit, weights=mesh.face_areas))
+    assert bettis[0] == [0] and bettis[1][0] > 0
+    assert held[0] == pytest.approx(1.0, abs=1e-9)
+    assert abs(held[1] - 1.0) > 1e-6

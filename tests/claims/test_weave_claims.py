@@ -51,3 +51,12 @@ def test_ribbons_go_over_and_under_in_turn(name):
     assert best.alternation >= 0.95
     assert best.alternation_bound - best.alternation <= 0.01
     assert rule.alternation < best.alternation or rule.alternation == 1.0
+
+
+@pytest.mark.parametrize("name", ["bunny", "icosahedron"])
+def test_ribbons_bend_less_than_along_the_smoothest_rosy(name):
+    """Section 6: the geodesic optimisation finds "weave patterns that are close to geodesic" (Fig. 23)."""
+    ours, rosy = bending(weave_of(name)), bending(weave_of(name, geodesic=False))
+    # on the icosahedron both are lines that unfold straight; on the bunny 0.44 and 0.60: not half, see
+    # DEVIATIONS.md, ribbon-curvature
+    assert ours < 0.8 * rosy or max(ours, rosy) < 0.01
