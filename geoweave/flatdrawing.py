@@ -61,7 +61,7 @@ ROLES: dict[Role, str] = {
 SMALLEST, LARGEST = 1.3, 4.5
 """Height of letters, mm."""
 
-ROWS = 60
+ROWS = 24
 """Rows of text beside a strip before it is given up."""
 
 
@@ -300,7 +300,8 @@ class _Drawing:
             arrow = np.array([tip - size * (way + 0.7 * side), tip, tip - size * (way - 0.7 * side)])
             low, high = arrow.min(axis=0), arrow.max(axis=0)
             box = Box(float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-            if not any(boxes_overlap(box, other) for other in self.clear):
+            on_strip = box.left > 0 and box.right < self.length
+            if on_strip and not any(boxes_overlap(box, other) for other in self.clear):
                 # At the edge: it may touch other arrows, but no writing may lie on it.
                 self.board.take(box)
                 self._add(
@@ -351,12 +352,12 @@ class _Drawing:
         lead, row = 0.35 * height + 2 * self.pad + 0.5 * self.making.kerf, tall + 1.6 * self.pad
         shifts = [0.0] + [sign * k * 0.5 * height for k in range(1, 30) for sign in (1, -1)]
         for number in range(ROWS):
-            for shift in shifts[: 5 + 6 * number]:
+            for shift in shifts[: 5 + 4 * number]:
                 stem = min(max(x + shift, self.pad), self.length - self.pad)
                 for side in (1.0, -1.0):
                     low = self.edge + lead + number * row
                     middle = side * (low + 0.5 * tall)
-                    foot, top = sorted((side * self.edge, side * low))
+                    foot, top = sorted((side * (self.edge + self.pad), side * low))
                     line = Box(stem - 0.05, foot, stem + 0.05, top)
                     for left in (stem - 0.3 * self.pad, stem + 0.3 * self.pad - wide, stem - 0.5 * wide):
                         whole = Box(left, middle - 0.5 * tall, left + wide, middle + 0.5 * tall)

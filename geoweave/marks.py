@@ -23,7 +23,7 @@ NEAR = 3
 
 
 def outline(mark: int) -> NDArray[np.float64]:
-    """(P, 2) closed outline of a mark in the disc of radius 1 about the origin; the first point comes once.
+    """(P, 2) closed outline of a mark in the square of side 2 about the origin; no point comes twice.
 
     Raises
     ------

@@ -162,8 +162,14 @@ def _ribbon(
         normals = np.concatenate([normals, normals[:1]])
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     at = np.concatenate([[0.0], np.cumsum(steps)])
-    count = max(round(at[-1] / step), 2)
-    where = np.linspace(0.0, at[-1], count + 1)
+    even = np.linspace(0.0, at[-1], max(round(at[-1] / step), 2) + 1)
+    # A cross section at every crossing, as heights peak there.
+    met = np.array([s for s, _ in lift if 0.1 * step < s < at[-1] - 0.1 * step])
+    if len(met):
+        nearest = np.abs(even[:, None] - met).min(axis=1)
+        nearest[[0, -1]] = np.inf
+        even = even[nearest > 0.25 * step]
+    where = np.unique(np.concatenate([even, met]))
     centre = np.stack([np.interp(where, at, points[:, axis]) for axis in range(3)], axis=1)
     # A normal belongs to the segment that follows its point, so to the middle of that one.
     middles = 0.5 * (at[:-1] + at[1:])
@@ -217,13 +223,13 @@ def _tube(
         vertices += [corners[k], corners[(k + 1) % 4]]
         normals += [normal, normal]
         a, b, c, d = base + first, base + count + first, base + count + first + 1, base + first + 1
-        triangles += [np.stack([a, c, b], axis=1), np.stack([a, d, c], axis=1)]
+        triangles += [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
     if not closed:
         for end, sign in ((0, -1.0), (count - 1, 1.0)):
             base = sum(len(each) for each in vertices)
             vertices.append(np.array([corner[end] for corner in corners]))
             normals.append(np.tile(sign * ahead[end], (4, 1)))
-            turn = np.array([[0, 1, 2], [0, 2, 3]]) if sign < 0 else np.array([[0, 2, 1], [0, 3, 2]])
+            turn = np.array([[0, 2, 1], [0, 3, 2]]) if sign < 0 else np.array([[0, 1, 2], [0, 2, 3]])
             triangles.append(base + turn)
     return Ribbon(
         str(ribbon["label"]),

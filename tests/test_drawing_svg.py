@@ -1,0 +1,143 @@
+"""The SVG, read back: millimetres, layers, lengths, marks, and texts that meet nothing."""
+
+from __future__ import annotations
+
+import re
+from itertools import combinations
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from geoweave.drawing_svg import svg_text, write_svg
+from geoweave.flatdrawing import drawn
+from geoweave.inks import Colours
+from geoweave.lettering import Box, boxes_overlap
+from geoweave.marks import outline
+from geoweave.nesting import Sheet, Stock, nested
+from geoweave.pieces import Making, pieces_of
+from tests.laidflat import NAMES, patterns
+
+SVG = "{http://www.w3.org/2000/svg}"
+INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
+
+
+def sheet(name: str, making: Making | None = None, stock: Stock | None = None) -> Sheet:
+    pattern, how, sheets = patterns()[name], making or Making(), stock or Stock()
+    (only,) = nested([drawn(pattern, p, how) for p in pieces_of(pattern, how, sheets.room)], sheets)
+    return only
+
+
+def read(name: str, colours: Colours | None = None, making: Making | None = None) -> ElementTree.Element:
+    text = svg_text(patterns()[name], sheet(name, making), colours or Colours(), "a <title>")
+    return ElementTree.fromstring(text)
+
+
+def paths(element: ElementTree.Element) -> list[NDArray[np.float64]]:
+    """The subpaths of a path, y upwards."""
+    found = []
+    for part in element.attrib["d"].split("M")[1:]:
+        numbers = [float(each) for each in re.findall(r"-?\d+\.?\d*", part)]
+        found.append(np.array(numbers).reshape(-1, 2) * [1, -1])
+    return found
+
+
+def box(element: ElementTree.Element, pen: float) -> Box:
+    points = np.concatenate(paths(element))
+    return Box(*points.min(axis=0).tolist(), *points.max(axis=0).tolist()).grown(0.5 * pen)
+
+
+def test_one_unit_is_a_millimetre() -> None:
+    root = read("flat")
+    width, height = (root.attrib[key] for key in ("width", "height"))
+    assert width.endswith("mm")
+    assert root.attrib["viewBox"] == f"0 0 {width[:-2]} {height[:-2]}"
+    assert not [each for each in root.iter() if "transform" in each.attrib]
+    assert root[0].text == "a <title>"
+
+
+def test_layers_are_those_of_inkscape() -> None:
+    for style, wanted in (
+        ("laser", ["cut", "score", "guide", "label"]),
+        ("paper", ["colour", "cut", "score", "guide", "label"]),
+    ):
+        root = read("flat", Colours(style), Making(extra=4.0))
+        groups = root.findall(f"{SVG}g")
+        assert [each.attrib["id"] for each in groups] == wanted
+        assert [each.attrib[f"{INKSCAPE}label"] for each in groups] == wanted
+        assert {each.attrib[f"{INKSCAPE}groupmode"] for each in groups} == {"layer"}
+    ids = [each.attrib["id"] for each in root.iter() if "id" in each.attrib]
+    assert len(ids) == len(set(ids))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_strips_are_as_long_as_their_ribbons(name: str) -> None:
+    pattern = patterns()[name]
+    root = read(name, making=Making(overlap=20.0))
+    for strip in pattern.strips:
+        (group,) = [each for each in root.iter(f"{SVG}g") if each.attrib.get("id") == f"cut-{strip.label}"]
+        (cut,) = group
+        around = box(cut, 0.0)
+        tab = 20.0 if strip.closed else 0.0
+        assert around.right - around.left - tab == pytest.approx(strip.length, abs=0.01)
+        assert around.top - around.bottom == pytest.approx(pattern.width, abs=0.01)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_crossings_are_where_they_belong_with_equal_marks(name: str) -> None:
+    """Each crossing is on two strips, one hollow and one solid, with the shape of its mark."""
+    pattern, root = patterns()[name], read(name)
+    seen: dict[int, list[str]] = {}
+    for group in root.iter(f"{SVG}g"):
+        if not group.attrib["id"].startswith("guide-"):
+            continue
+        for each in group:
+            if each.attrib["class"] in ("hollow", "solid"):
+                x = int(each.attrib["data-crossing"])
+                seen.setdefault(x, []).append(each.attrib["class"])
+                (shape,), wanted = paths(each), outline(int(pattern.mark[x]))
+                size = np.ptp(shape[:, 0]) / np.ptp(wanted[:, 0])
+                np.testing.assert_allclose(shape - shape[0], size * (wanted - wanted[0]), atol=3e-4)
+    assert sorted(seen) == list(range(len(pattern.ribbons)))
+    closed = {x for x, pair in enumerate(pattern.ribbons) if any(pattern.strips[r].closed for r in pair)}
+    for x, roles in seen.items():
+        assert set(roles) == {"hollow", "solid"}
+        assert len(roles) == 2 or x in closed  # the tab of a closed strip repeats its start
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_texts_meet_no_mark_and_no_text(name: str) -> None:
+    for style in ("laser", "paper"):
+        boxes = []
+        for each in read(name, Colours(style)).iter(f"{SVG}path"):
+            if each.attrib["class"] in ("label", "name"):
+                boxes.append(box(each, float(each.attrib["stroke-width"])))
+            elif each.attrib["class"] in ("hollow", "solid"):
+                boxes.append(box(each, 0.0))
+        assert len(boxes) > 3
+        assert not any(boxes_overlap(one, other) for one, other in combinations(boxes, 2))
+
+
+def test_angles_turn_to_the_left_as_seen_on_the_sheet() -> None:
+    """On A1 the lines of family B lean to the right at 60 degrees, those of C at 120: not mirrored."""
+    pattern, root = patterns()["flat"], read("flat")
+    (group,) = [each for each in root.iter(f"{SVG}g") if each.attrib.get("id") == "guide-A1"]
+    for passage in pattern.passages[0]:
+        for each in group:
+            if each.attrib.get("data-crossing") == str(passage.crossing) and each.attrib["class"] in (
+                "over",
+                "under",
+            ):
+                steps = np.concatenate([np.diff(path, axis=0) for path in paths(each)])
+                angles = np.degrees(np.arctan2(steps[:, 1], steps[:, 0])) % 180
+                wanted = 60.0 if passage.label.startswith("B") else 120.0
+                long = np.hypot(*steps.T) > 0.3
+                np.testing.assert_allclose(angles[long], wanted, atol=0.1)
+
+
+def test_the_same_weave_gives_the_same_bytes(tmp_path: Path) -> None:
+    for name in ("one.svg", "two.svg"):
+        write_svg(tmp_path / name, patterns()["cone"], sheet("cone"), Colours(), "cone")
+    assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()

@@ -1,0 +1,94 @@
+"""The GLB, read back by trimesh: a node per ribbon, its size, and the upper ribbon above the lower one."""
+
+from __future__ import annotations
+
+import io
+from functools import cache
+
+import numpy as np
+import pytest
+import trimesh
+
+from geoweave.errors import FieldError
+from geoweave.inks import FAMILIES
+from geoweave.solid import glb_bytes, solid_ribbons
+from tests.laidflat import bow_tie, circles, cone, flat
+
+
+@cache
+def scene(name: str) -> trimesh.Scene:
+    weave = {"flat": flat, "circles": circles, "bow tie": bow_tie, "cone": cone}[name]()
+    return trimesh.load(io.BytesIO(glb_bytes(weave)), file_type="glb", process=False)
+
+
+@pytest.mark.parametrize("name", ["flat", "circles", "bow tie", "cone"])
+def test_every_ribbon_is_a_node_and_a_closed_solid(name: str) -> None:
+    weave = {"flat": flat, "circles": circles, "bow tie": bow_tie, "cone": cone}[name]()
+    content = weave if isinstance(weave, dict) else weave.document()
+    found = scene(name)
+    labels = [each["label"] for each in content["ribbons"]]
+    assert sorted(found.graph.nodes_geometry) == sorted(labels)
+    for each, made in zip(content["ribbons"], solid_ribbons(content), strict=True):
+        assert made.label == each["label"]
+        solid = trimesh.Trimesh(made.vertices, made.triangles, process=False)
+        solid.merge_vertices(merge_norm=True)
+        assert solid.is_winding_consistent
+        assert solid.is_watertight
+        # a rectangle swept along a line; at the corners of the bow tie it is mitred
+        volume = each["length"] * content["width"] * content["thickness"]
+        assert solid.volume == pytest.approx(volume, rel=0.1 if name == "bow tie" else 0.02)
+
+
+@pytest.mark.parametrize("name", ["flat", "circles"])
+def test_normals_point_outwards(name: str) -> None:
+    for made in solid_ribbons({"flat": flat, "circles": circles}[name]()):
+        corners = made.vertices[made.triangles]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        toward = made.normals[made.triangles].sum(axis=1)
+        assert ((across * toward).sum(axis=1) > 0).all()
+        np.testing.assert_allclose(np.linalg.norm(made.normals, axis=1), 1.0, atol=1e-9)
+
+
+def test_metres_and_y_up() -> None:
+    low, high = scene("flat").bounds
+    # the plane z = 0 of the document is the plane y = 0 of the file
+    assert high[1] - low[1] < 0.002
+    assert 0.1 < high[0] - low[0] < 0.25
+    assert 0.1 < high[2] - low[2] < 0.25
+
+
+def test_the_upper_ribbon_lies_above_the_lower_one_without_touching() -> None:
+    content = flat()
+    made = solid_ribbons(content)
+    for each in content["crossings"]:
+        heights = []
+        for side in (0, 1):
+            line = np.array(content["ribbons"][each["ribbons"][side]]["points"])
+            way = (line[1] - line[0]) / np.linalg.norm(line[1] - line[0])
+            middle = line[0] + each["arclength"][side] * way
+            vertices = made[each["ribbons"][side]].vertices
+            along = np.abs((vertices - middle) @ way)
+            near = vertices[along < along.min() + 1e-6]
+            heights.append((near[:, 2].min(), near[:, 2].max()))
+        above, below = heights[each["over_index"]], heights[1 - each["over_index"]]
+        assert above[0] > below[1]
+        assert above[1] - above[0] == pytest.approx(0.5)
+
+
+def test_a_material_per_family() -> None:
+    found = scene("flat")
+    colours = {}
+    for label, mesh in found.geometry.items():
+        colours.setdefault(label[0], set()).add(tuple(mesh.visual.material.baseColorFactor[:3]))
+    assert all(len(each) == 1 for each in colours.values())
+    assert len(set.union(*colours.values())) == 3
+    assert len(FAMILIES) >= 3
+
+
+def test_the_same_weave_gives_the_same_bytes() -> None:
+    assert glb_bytes(circles()) == glb_bytes(circles())
+
+
+def test_refusals() -> None:
+    with pytest.raises(FieldError, match="is not a geoweave-weave"):
+        solid_ribbons({"format": "geoweave-pattern"})
