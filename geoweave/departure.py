@@ -1,9 +1,9 @@
 """How far a weave has gone from its design and from its target surface (Figs. 19 and 22).
 
-Distances are shares of the diagonal of the target's bounding box. Rods have no place of their own in space, so
-they are first put back on the design by the rigid motion that fits the lengths of ribbon to where they were
-designed to be (Kabsch). That fit has one answer; fitting to the surface (ICP) would slide along a torus or
-turn on a sphere, and would report a distance to the surface that no other point of the design shares.
+Distances are shares of the diagonal of the target's bounding box. Rods have no place of their own in space,
+so they are first put back on the design by the rigid motion that best takes each place of a ribbon to where
+it was designed to be (Kabsch). That fit has one answer. A fit to the surface (ICP) would slide along a torus
+and turn on a sphere, and would come out smaller than what a maker sees.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from geoweave.arrays import Scalars, Vectors, frozen
+from geoweave.arrays import Flags, Scalars, Vectors, frozen
 from geoweave.closest import closest_points, segment_tree, triangle_tree
 from geoweave.mesh import TriMesh
 from geoweave.rodfiles import RodError
@@ -58,10 +58,13 @@ class Departure:
 def vertex_weights(rods: Rods) -> Scalars:
     """(V,) rest length that belongs to each vertex, half of each segment it ends."""
     ends = rods.layout.ends
-    return np.bincount(ends.ravel(), np.repeat(0.5 * rods.rest, 2), minlength=rods.layout.vertices)
+    weights = np.bincount(ends.ravel(), np.repeat(0.5 * rods.rest, 2), minlength=rods.layout.vertices).astype(
+        np.float64
+    )
+    return weights
 
 
-def held(rods: Rods) -> np.ndarray:
+def held(rods: Rods) -> Flags:
     """(V,) whether a vertex lies between two contacts of its rod; what is not is a free tail."""
     layout, pair = rods.layout, rods.contacts.segments.ravel()
     rod = layout.rod_of_segment[pair]
@@ -128,7 +131,7 @@ def departure(rods: Rods, design: Rods, surface: TriMesh) -> Departure:
     gap = np.linalg.norm(surface.vertices - back, axis=1)
     areas = np.bincount(
         surface.faces.ravel(), np.repeat(surface.face_areas / 3.0, 3), minlength=surface.n_vertices
-    )
+    ).astype(np.float64)
     moved = np.linalg.norm(points - design.points, axis=1)
     return Departure(
         _distances(distance, weights, diagonal),

@@ -16,11 +16,11 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from geoweave import cholesky
-from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
+from geoweave import cholesky, rod_matrix
+from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.errors import FieldError
-from geoweave.linalg import nested_dissection, one_blas_thread
-from geoweave.rod_energies import Term
+from geoweave.linalg import one_blas_thread
+from geoweave.rod_energies import Table, Term
 from geoweave.rodfiles import RodError
 from geoweave.rods import Rods, cross
 
@@ -38,7 +38,7 @@ class Stepping:
     turn : no segment turns by more than this in one step, radians
     sufficient : share of the predicted decrease of the energy that a step must achieve (Armijo)
     shortest : share of a step below which the line search gives up
-    memory : steps from which the curvature that Gauss-Newton leaves out is learnt; 0 for the paper's own method
+    memory : steps from which the curvature that Gauss-Newton leaves out is learnt; 0 for none
     """
 
     tolerance: float = 1e-6
@@ -108,77 +108,14 @@ class Equilibrium:
         return self.steps[-1].gradient
 
 
-@dataclass(frozen=True, eq=False)
-class _Pattern:
-    """Where the entries of the Gauss-Newton matrix go; the same for all steps."""
-
-    size: int
-    free: Indices
-    symbolic: cholesky.Symbolic
-    groups: tuple[tuple[Indices, tuple[int, ...]], ...]
-    slots: Indices
-    kept: Flags
-    indices: Indices
-    starts: Indices
-
-    def matrix(self, jacobians: Sequence[np.ndarray], shift: Scalars) -> sparse.csc_array:
-        """Sum ``J' J`` over all terms and add a diagonal, on the free unknowns in elimination order."""
-        blocks = []
-        for _, members in self.groups:
-            local = np.concatenate([jacobians[m] for m in members], axis=1)
-            blocks.append((local.transpose(0, 2, 1) @ local).ravel())
-        blocks.append(shift)
-        entries = np.concatenate(blocks)[self.kept]
-        data = np.bincount(self.slots, weights=entries, minlength=len(self.indices))
-        return sparse.csc_array((data, self.indices, self.starts), shape=(len(self.free),) * 2)
-
-
-def _pattern(rods: Rods, terms: Sequence[Term], fixed: Flags) -> _Pattern:
-    """Analyse the pattern of the terms' matrix once: nested dissection, and a slot for each local entry."""
-    groups: list[tuple[Indices, list[int]]] = []
-    for number, term in enumerate(terms):
-        same = [members for unknowns, members in groups if unknowns is term.unknowns]
-        if same:
-            same[0].append(number)
-        else:
-            groups.append((term.unknowns, [number]))
-    size = rods.size
-    rows = [np.repeat(u, u.shape[1], axis=1).ravel() for u, _ in groups] + [np.arange(size)]
-    columns = [np.tile(u, u.shape[1]).ravel() for u, _ in groups] + [np.arange(size)]
-    row, column = np.concatenate(rows), np.concatenate(columns)
-    free = np.flatnonzero(~fixed)
-    place = np.full(size, -1, dtype=np.int64)
-    place[free] = np.arange(len(free))
-    kept = (place[row] >= 0) & (place[column] >= 0)
-    row, column = place[row[kept]], place[column[kept]]
-    n = len(free)
-    graph = sparse.csr_array((np.ones(len(row), dtype=np.int8), (row, column)), shape=(n, n))
-    order = nested_dissection(graph).order
-    if order is None:  # no METIS
-        order = np.asarray(csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.int64)
-    position = np.empty(n, dtype=np.int64)
-    position[order] = np.arange(n)
-    key, slots = np.unique(position[column] * n + position[row], return_inverse=True)
-    starts = np.searchsorted(key, np.arange(n + 1) * n)
-    indices, starts = (key % n).astype(np.int32), starts.astype(np.int32)
-    pattern = sparse.csc_array((np.ones(len(key)), indices, starts), shape=(n, n))
-    return _Pattern(
-        size,
-        free[order],
-        cholesky.analysed(pattern, np.arange(n)),
-        tuple((unknowns, tuple(members)) for unknowns, members in groups),
-        slots.ravel(),
-        kept,
-        indices,
-        starts,
-    )
-
-
 NO_FORCE = 1e-15
 """Forces below this share of ``Y w h``, which would double a ribbon's length, are rounding."""
 
 SETTLED = 0.03
 """The Gauss-Newton matrix is factored anew at every step until the forces balance to this share."""
+
+NEAR = 0.3
+"""Below this share, secant pairs are kept and taut segments add their stiffness against sideways motion."""
 
 Solve: TypeAlias = Callable[[Scalars], Scalars]
 
@@ -232,24 +169,22 @@ def minimized(
                 ending = f"after {numbers.most_steps} steps the forces do not balance yet"
                 break
             if solve is None or relative > SETTLED or share < 1.0:
-                solve = problem.factored(jacobians, damping)
-            step = None if solve is None else problem.step(current, gradient, solve, memory, numbers.turn)
-            found = None if step is None else problem.search(current, history[-1], gradient, step, numbers)
-            while found is None and damping <= DAMPING[2]:
-                damping *= 30.0 if not memory else 1.0
+                solve = problem.factored(current, jacobians, damping, relative < NEAR)
+            taken = problem.attempt(current, history[-1], gradient, solve, memory, numbers)
+            while taken is None and damping <= DAMPING[2]:
+                damping *= 1.0 if memory else 30.0
                 memory.clear()
-                solve = problem.factored(jacobians, damping)
-                step = None if solve is None else problem.step(current, gradient, solve, memory, numbers.turn)
-                found = None if step is None else problem.search(current, history[-1], gradient, step, numbers)
-            if found is None or step is None:
+                solve = problem.factored(current, jacobians, damping, relative < NEAR)
+                taken = problem.attempt(current, history[-1], gradient, solve, memory, numbers)
+            if taken is None:
                 ending = "no step lowers the energy any further"
                 break
-            current, energies, share = found
-            damping = max(damping * (0.2 if share > 0.5 else 1.0), DAMPING[0])
+            current, energies, share, step = taken
+            damping = max(damping * (0.3 if share > 0.5 else 10.0 if share < 0.5 else 1.0), DAMPING[0])
             before = gradient
             gradient, jacobians, relative = problem.forces(current)
-            if numbers.memory and relative < SETTLED and float((gradient - before) @ step) > 0:
-                memory.append((share * step, gradient - before))
+            if numbers.memory and relative < NEAR and float((gradient - before) @ step) > 0:
+                memory.append((step, gradient - before))
     return Equilibrium(current, relative <= numbers.tolerance, tuple(history), ending)
 
 
@@ -260,7 +195,7 @@ class _Problem:
         self, rods: Rods, terms: tuple[Term, ...], fixed: Flags, load: Vectors | None, anchored: bool
     ) -> None:
         self.terms, self.load, self.start = terms, load, rods.points
-        self.pattern = _pattern(rods, terms, fixed)
+        self.pattern = rod_matrix.analysed(rods.size, terms, fixed)
         self.fixed = fixed
         size = float(rods.rest.mean())
         angle = np.arange(rods.size) >= 3 * rods.layout.vertices
@@ -276,7 +211,7 @@ class _Problem:
             found["load"] = -float((self.load * (rods.points - self.start)).sum())
         return found
 
-    def forces(self, rods: Rods) -> tuple[Scalars, list[np.ndarray], float]:
+    def forces(self, rods: Rods) -> tuple[Scalars, list[Table], float]:
         """Gradient of the energy, local Jacobians, and the gradient as a share of its parts."""
         total, size = np.zeros(rods.size), 0.0
         jacobians = []
@@ -294,10 +229,11 @@ class _Problem:
         unbalanced = float(np.linalg.norm(total / self.unit))
         return total, jacobians, unbalanced / max(size, self.least / 1e-6)
 
-    def factored(self, jacobians: list[np.ndarray], damping: float) -> Solve | None:
+    def factored(self, rods: Rods, jacobians: list[Table], damping: float, taut: bool) -> Solve | None:
         """Factor the damped Gauss-Newton matrix; None if it is not definite to working precision."""
         pattern = self.pattern
-        matrix = pattern.matrix(jacobians, damping * self.stiff * self.unit**2)
+        extra = [term.curvature(rods) if taut and term.curvature else None for term in self.terms]
+        matrix = pattern.matrix(jacobians, extra, damping * self.stiff * self.unit**2)
         try:
             factor = cholesky.factor(matrix, pattern.symbolic)
         except cholesky.NotDefiniteError:
@@ -313,6 +249,22 @@ class _Problem:
 
         return solve
 
+    def attempt(
+        self,
+        rods: Rods,
+        now: Step,
+        gradient: Scalars,
+        solve: Solve | None,
+        memory: Sequence[tuple[Scalars, Scalars]],
+        numbers: Stepping,
+    ) -> tuple[Rods, dict[str, float], float, Scalars] | None:
+        """Return where a step leads, its energies, the share of it that was taken, and that step."""
+        if solve is None:
+            return None
+        step = self.step(rods, gradient, solve, memory, numbers.turn)
+        found = None if step is None else self.search(rods, now, gradient, step, solve, numbers)
+        return None if found is None or step is None else (*found, found[2] * step)
+
     def step(
         self,
         rods: Rods,
@@ -326,19 +278,20 @@ class _Problem:
         What Gauss-Newton leaves out of the second derivative is learnt from how the gradient changed over the
         last steps: limited-memory secant pairs about the Gauss-Newton matrix (Nocedal 1980).
         """
-        q, taken = gradient.copy(), []
-        for moved, changed in reversed(memory):
-            rate = 1.0 / float(changed @ moved)
-            taken.append((rate, rate * float(moved @ q)))
+        q = gradient.copy()
+        taken: list[tuple[float, float]] = []
+        for shift, changed in reversed(memory):
+            rate = 1.0 / float(changed @ shift)
+            taken.append((rate, rate * float(shift @ q)))
             q -= taken[-1][1] * changed
         step = solve(q)
-        for (moved, changed), (rate, part) in zip(memory, reversed(taken), strict=True):
-            step += (part - rate * float(changed @ step)) * moved
+        for (shift, changed), (rate, part) in zip(memory, reversed(taken), strict=True):
+            step += (part - rate * float(changed @ step)) * shift
         step = -step
         if not np.isfinite(step).all():
             return None
-        for part in self.parts:
-            _remove_rigid_motion(rods, part, step)
+        for whole in self.parts:
+            _remove_rigid_motion(rods, whole, step)
         moved = step[: 3 * rods.layout.vertices].reshape(-1, 3)
         start, end = rods.layout.ends.T
         change = np.linalg.norm(moved[end] - moved[start], axis=1) / rods.lengths
@@ -346,9 +299,13 @@ class _Problem:
         return step * min(1.0, turn / largest) if largest > 0 else step
 
     def search(
-        self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, numbers: Stepping
+        self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, solve: Solve, numbers: Stepping
     ) -> tuple[Rods, dict[str, float], float] | None:
-        """Halve the step until the energy falls enough."""
+        """Halve the step until the energy falls enough, if need be after a correction.
+
+        A straight step leaves the curved valley in which stiff contacts hold; the same matrix takes it back
+        there for the price of a gradient, where halving would have to creep along (second-order correction).
+        """
         slope = float(gradient @ step)
         if not slope < 0:
             return None
@@ -364,10 +321,19 @@ class _Problem:
             energy = sum(energies.values())
             if energy <= now.energy + numbers.sufficient * share * slope:
                 return trial, energies, share
-            if -share * slope < 1e3 * rounding and energy <= now.energy + rounding:
-                # The energy can no longer tell the two apart; the forces can.
-                if self.forces(trial)[2] < now.gradient:
-                    return trial, energies, share
+            mended = self.step(trial, self.forces(trial)[0], solve, (), numbers.turn)
+            if mended is not None:
+                try:
+                    second = trial.stepped(mended)
+                except RodError:
+                    second = trial
+                again = self.energies(second)
+                if sum(again.values()) <= now.energy + numbers.sufficient * share * slope:
+                    return second, again, share
+            # Where the energy can no longer tell the two apart, the forces can.
+            level = -share * slope < 1e3 * rounding and energy <= now.energy + rounding
+            if level and self.forces(trial)[2] < now.gradient:
+                return trial, energies, share
             share *= 0.5
         return None
 

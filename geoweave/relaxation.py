@@ -79,10 +79,10 @@ def slide(
 ) -> Equilibrium:
     """Let ribbons slide on a surface to release elastic strain (E.1).
 
-    Each round minimises the elastic energy and that of springs between vertices and anchors, then projects the
-    vertices on the surface to get new anchors. Contacts do not act: ribbons slide over each other. Their new
-    places are found at the end. Sliding on and on would let open ribbons drift to where the surface is flat,
-    which is why the number of rounds is a parameter.
+    Each round minimises the elastic energy and that of springs between vertices and anchors, then projects
+    the vertices on the surface to get new anchors. Contacts do not act, ribbons slide over each other; their
+    new places are found at the end. Sliding on and on would let open ribbons drift to where the surface is
+    flat, which is why the number of rounds is a parameter.
 
     Parameters
     ----------
@@ -110,7 +110,8 @@ def slide(
     held = _held(rods, fixed)
     tree = triangle_tree(surface.vertices[surface.faces])
     elastic = elastic_terms(rods.layout)
-    current, steps = rods, []
+    current = rods
+    steps: list[Step] = []
     anchors, faces = closest_points(tree, rods.points)
     numbers = stepping or Stepping()
     rough = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY))
@@ -245,7 +246,7 @@ def vertex_masses(rods: Rods) -> Scalars:
     mass = rods.material.density * rods.material.thickness * rods.widths * rods.rest
     return np.bincount(
         rods.layout.ends.ravel(), np.repeat(0.5 * mass, 2), minlength=rods.layout.vertices
-    )
+    ).astype(np.float64)
 
 
 def _held(rods: Rods, fixed: ArrayLike | None) -> Flags:

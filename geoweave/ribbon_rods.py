@@ -1,8 +1,9 @@
 """From ribbons and .rod files to elastic rods and back (Appendix E).
 
-Ribbons are resampled to equal segments (Section 5.2), their directors are the surface's normals and their rest
-lengths the lengths they have at the start. What no rod can be is put right here, where the ribbon still has a
-name: vertices that coincide or fold back are merged, and crossings of two ribbons at one place become one.
+Ribbons are resampled to equal segments (Section 5.2), their directors are the surface's normals and their
+rest lengths the lengths they have at the start. What no rod can be is put right here, where the ribbon still
+has a name: vertices that coincide or fold back are merged, and crossings of two ribbons at one place become
+one.
 """
 
 from __future__ import annotations
@@ -108,11 +109,11 @@ def _resampled(
 def rods_of_file(
     file: RodFile, over: ArrayLike | None = None, *, poisson: float = 0.3, time_limit: float = 10.0
 ) -> Rods:
-    """Make elastic rods of the contents of a .rod file, as they are: vertices and rest lengths are the file's.
+    """Make elastic rods of the contents of a .rod file, as they are, with the file's vertices and lengths.
 
     A file's directors are lines: their signs may change from segment to segment. They are turned to agree
-    along each rod, then across contacts from rod to rod. The stiffness of each crossing in the file is that of
-    RibbonSim's contacts, not of the paper's; it is not used.
+    along each rod, then across contacts from rod to rod. The stiffness of each crossing in the file is that
+    of RibbonSim's contacts, not of the paper's; it is not used.
 
     Parameters
     ----------
@@ -138,9 +139,7 @@ def rods_of_file(
         tangents = (ends - rod.centerline[: rod.segments]) / rod.lengths[:, None]
         angles = np.asarray(rod.angles)[:, None]
         turned = np.cos(angles) * rod.directors + np.sin(angles) * np.cross(tangents, rod.directors)
-        chains.append(
-            _mended(_Chain(rod.centerline, turned, rod.widths, rod.closed, knots), f"rod {number}")
-        )
+        chains.append(_mended(_Chain(rod.centerline, turned, rod.widths, rod.closed, knots), f"rod {number}"))
     material = Material(file.thickness, file.young, poisson, file.density)
     near = float(np.mean(np.concatenate([rod.widths for rod in file.rods])))
     return _joined(chains, placed, sides.astype(np.int64), material, near, agree=True)
@@ -177,7 +176,7 @@ def _mended(chain: _Chain, name: str) -> _Chain:
         points, directors, widths, knots = _without(points, directors, widths, knots, length, first, closed)
     tangents = edges / length[:, None]
     square = directors - (directors * tangents).sum(axis=1)[:, None] * tangents
-    size = np.linalg.norm(square, axis=1)
+    size: Scalars = np.linalg.norm(square, axis=1)
     flat = ~(size > 1e-9 * np.linalg.norm(directors, axis=1).max())
     if flat.all():
         raise RodError(f"{name} has no direction square to it that could be its thickness; leave it out")
@@ -283,11 +282,11 @@ def _agreeing(layout: Layout, tangents: Vectors, directors: Vectors, contacts: C
     a, b = layout.joints.T
     inner = b > a
     same = (carried(tangents[a], tangents[b], directors[a]) * directors[b]).sum(axis=1) >= 0
-    sign = np.ones(layout.segments)
+    sign: Scalars = np.ones(layout.segments)
     sign[b[inner]] = np.where(same[inner], 1.0, -1.0)
     sign = np.cumprod(sign)
-    sign *= sign[layout.segment_offsets[:-1]][layout.rod_of_segment]
-    directors = sign[:, None] * directors
+    first = sign[layout.segment_offsets[:-1]]
+    directors = (sign * first[layout.rod_of_segment])[:, None] * directors
     one, two = contacts.segments.T
     alike = (directors[one] * directors[two]).sum(axis=1)
     rods = layout.rod_of_segment[contacts.segments]
@@ -316,7 +315,9 @@ def file_of_rods(rods: Rods) -> RodFile:
         vertices = slice(layout.offsets[r], layout.offsets[r + 1])
         segments = slice(layout.segment_offsets[r], layout.segment_offsets[r + 1])
         parts.append(
-            Rod(rods.points[vertices], rods.directors[segments], rods.widths[segments], bool(layout.closed[r]))
+            Rod(
+                rods.points[vertices], rods.directors[segments], rods.widths[segments], bool(layout.closed[r])
+            )
         )
     pair, places = rods.contacts.segments, rods.contacts.places
     owner = layout.rod_of_segment[pair]

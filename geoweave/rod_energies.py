@@ -31,6 +31,9 @@ __all__ = [
     "twisting",
 ]
 
+STRETCHING = "stretching"
+"""The name of the one elastic energy that belongs to segments; all others belong to joints."""
+
 Table = NDArray[np.float64]
 """(n, r) residuals of n stencils, or (n, r, k) their derivatives by k unknowns."""
 
@@ -45,12 +48,15 @@ class Term:
     unknowns : (n, k) unknowns of each stencil
     residual : rods to (n, r) residuals, each the root of an energy
     derivative : rods to (n, r, k) derivatives of the residuals by the stencil's unknowns
+    curvature : rods to (n, k, k), a positive semi-definite part of ``sum r r''``, which Gauss-Newton leaves
+        out; None if there is none
     """
 
     name: str
     unknowns: Indices
     residual: Callable[[Rods], Table]
     derivative: Callable[[Rods], Table]
+    curvature: Callable[[Rods], Table] | None = None
 
     def energy(self, rods: Rods) -> float:
         """Energy, force x length."""
@@ -59,7 +65,7 @@ class Term:
     def gradient(self, rods: Rods) -> Scalars:
         """(3 V + S,) derivative of the energy by all unknowns."""
         local = np.einsum("nr,nrk->nk", self.residual(rods), self.derivative(rods))
-        return np.bincount(self.unknowns.ravel(), local.ravel(), minlength=rods.size)
+        return np.bincount(self.unknowns.ravel(), local.ravel(), minlength=rods.size).astype(np.float64)
 
     def jacobian(self, rods: Rods) -> sparse.csr_array:
         """(n r, 3 V + S) derivative of all residuals by all unknowns."""
@@ -113,7 +119,14 @@ def stretching(layout: Layout) -> Term:
         pull = (weight(rods) / rods.rest)[:, None] * rods.tangents
         return np.concatenate([-pull, pull], axis=1)[:, None, :]
 
-    return Term("stretching", frozen(_point_unknowns(layout.ends)), residual, derivative)
+    def curvature(rods: Rods) -> Table:
+        """Stiffness of a taut string against sideways motion, tension over length; none if slack."""
+        tension = rods.material.stretching(rods.widths) * np.maximum(rods.lengths / rods.rest - 1.0, 0.0)
+        side = np.eye(3) - rods.tangents[:, :, None] * rods.tangents[:, None, :]
+        side *= (tension / rods.lengths)[:, None, None]
+        return np.block([[side, -side], [-side, side]])
+
+    return Term(STRETCHING, frozen(_point_unknowns(layout.ends)), residual, derivative, curvature)
 
 
 def flatwise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
@@ -272,11 +285,15 @@ def contact_orientation(rods: Rods, stiffness: float) -> Term:
     def derivative(rods: Rods) -> Table:
         one, two, axis, factor, slope = parts(rods)
         out = np.zeros((len(pair), 3, 14))
-        for k, (other, handed, flip) in enumerate(((two, -1.0, 1.0), (one, 1.0, sign[:, :, None]))):
-            turn = flip * _director_derivative(rods, pair[:, k])
+        for k, (other, handed, flip) in enumerate(
+            ((two, -1.0, np.ones_like(sign)), (one, 1.0, sign)),
+        ):
+            turn = flip[:, :, None] * _director_derivative(rods, pair[:, k])
             spin = handed * factor[:, None, None] * cross(other[:, None, :], turn.transpose(0, 2, 1))
             cosine = np.einsum("nx,nxk->nk", other, turn)
-            out[:, :, OWN[k]] = spin.transpose(0, 2, 1) + (slope[:, None] * axis)[:, :, None] * cosine[:, None]
+            out[:, :, OWN[k]] = (
+                spin.transpose(0, 2, 1) + (slope[:, None] * axis)[:, :, None] * cosine[:, None]
+            )
         return weight * out
 
     return Term("contact orientation", _contact_unknowns(rods), residual, derivative)
@@ -333,10 +350,11 @@ def energy_density(rods: Rods) -> dict[str, Scalars]:
     a, b = rods.layout.joints.T
     found = {}
     for term in elastic_terms(rods.layout):
-        energy = 0.5 * term.residual(rods) ** 2
-        own = energy[:, 0]
-        if len(term.unknowns) != rods.layout.segments or term.unknowns.shape[1] > 6:
-            own = np.bincount(a, 0.5 * own, minlength=rods.layout.segments)
-            own += np.bincount(b, 0.5 * energy[:, 0], minlength=rods.layout.segments)
-        found[term.name] = frozen(own / rods.rest)
+        energy = (0.5 * term.residual(rods) ** 2).sum(axis=1)
+        if term.name != STRETCHING:
+            shared = np.zeros(rods.layout.segments)
+            np.add.at(shared, a, 0.5 * energy)
+            np.add.at(shared, b, 0.5 * energy)
+            energy = shared
+        found[term.name] = frozen(energy / rods.rest)
     return found

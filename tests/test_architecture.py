@@ -63,6 +63,10 @@ LAYERS = (
     ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
     ("covers", {"cover"}),
     ("weaves", {"interlacing", "parity", "ribbons", "rodfiles", "scales", "validity"}),
+    (
+        "rods",
+        {"departure", "equilibrium", "relaxation", "ribbon_rods", "rod_energies", "rod_matrix", "rods"},
+    ),
     ("the pipeline", {"inspection", "outputs", "weave", "woven"}),
     (
         "fabrication",

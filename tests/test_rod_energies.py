@@ -117,7 +117,7 @@ def test_the_bending_energy_of_a_ring_converges_to_pi_b_over_r(upright, kind):
 
 
 def test_a_helix_bends_flatwise_and_twists_by_its_torsion():
-    # A strip on a cylinder whose thickness points outwards: a geodesic, k = r / (r^2 + c^2), twist c / (r^2 + c^2)
+    # On a cylinder with its thickness outwards: geodesic, k = r / (r^2 + c^2), twist c / (r^2 + c^2)
     r, c, turns = 1.0, 0.3, 2.0
     rods = helix(400, r, 2 * np.pi * c, turns)
     length = 2 * np.pi * turns * np.hypot(r, c)
@@ -174,7 +174,10 @@ def test_a_contact_makes_ribbons_lie_flush(angle):
 def test_sliding_costs_little_along_the_surface_and_much_off_it():
     rods = bar(1)
     normals = np.tile([0.0, 0, 1], (2, 1))
-    for shift, cost in ((np.array([0.3, 0.4, 0]), 0.5 * 2.0 * 0.25), (np.array([0, 0, 0.1]), 0.5 * 90 * 0.01)):
+    for shift, cost in (
+        (np.array([0.3, 0.4, 0]), 0.5 * 2.0 * 0.25),
+        (np.array([0, 0, 0.1]), 0.5 * 90 * 0.01),
+    ):
         term = sliding(rods.layout, rods.points - shift, normals, 90.0, 2.0)
         assert term.energy(rods) == pytest.approx(2 * cost)
 

@@ -83,9 +83,7 @@ def test_the_twist_of_a_ring_is_that_of_its_directors():
     turn = 4 * np.pi * np.arange(40) / 40
     across = np.cross(flat.tangents, flat.directors)
     directors = np.cos(turn)[:, None] * flat.directors + np.sin(turn)[:, None] * across
-    twisted = Rods(
-        flat.layout, flat.points, directors, flat.widths, flat.rest, flat.contacts, flat.material
-    )
+    twisted = Rods(flat.layout, flat.points, directors, flat.widths, flat.rest, flat.contacts, flat.material)
     np.testing.assert_allclose(twisted.twists, 4 * np.pi / 40, atol=1e-12)
     np.testing.assert_allclose(flat.twists, 0, atol=1e-12)
 
@@ -95,9 +93,7 @@ def test_a_strip_that_closes_after_half_a_turn_has_the_twist_of_a_moebius_strip(
     turn = np.pi * np.arange(40) / 40
     across = np.cross(flat.tangents, flat.directors)
     directors = np.cos(turn)[:, None] * flat.directors + np.sin(turn)[:, None] * across
-    strip = Rods(
-        flat.layout, flat.points, directors, flat.widths, flat.rest, flat.contacts, flat.material
-    )
+    strip = Rods(flat.layout, flat.points, directors, flat.widths, flat.rest, flat.contacts, flat.material)
     np.testing.assert_allclose(strip.twists, np.pi / 40, atol=1e-12)
 
 
@@ -114,7 +110,9 @@ def test_rigid_motions_change_no_shape():
     rods = crumpled()
     moved = turned(rods, any_rotation(), np.array([1.0, 2.0, 3.0]))
     np.testing.assert_allclose(moved.lengths, rods.lengths, atol=1e-13)
-    np.testing.assert_allclose(np.linalg.norm(moved.binormals, axis=1), np.linalg.norm(rods.binormals, axis=1))
+    np.testing.assert_allclose(
+        np.linalg.norm(moved.binormals, axis=1), np.linalg.norm(rods.binormals, axis=1)
+    )
 
 
 def test_the_curvature_of_a_helix_converges():

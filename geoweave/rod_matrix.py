@@ -1,0 +1,89 @@
+"""The Gauss-Newton matrix of rods: its pattern is analysed once, its entries are summed at every step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
+
+from geoweave import cholesky
+from geoweave.arrays import Flags, Indices, Scalars
+from geoweave.linalg import nested_dissection
+from geoweave.rod_energies import Table, Term
+
+__all__ = ["Pattern", "analysed"]
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Where the entries of the Gauss-Newton matrix go; the same for all steps."""
+
+    size: int
+    free: Indices
+    symbolic: cholesky.Symbolic
+    groups: tuple[tuple[Indices, tuple[int, ...]], ...]
+    slots: Indices
+    kept: Flags
+    indices: Indices
+    starts: Indices
+
+    def matrix(
+        self, jacobians: Sequence[Table], curvatures: Sequence[Table | None], shift: Scalars
+    ) -> sparse.csc_array:
+        """Sum ``J' J`` and curvatures of all terms, on the free unknowns in elimination order."""
+        blocks = []
+        for _, members in self.groups:
+            local = np.concatenate([jacobians[m] for m in members], axis=1)
+            block = local.transpose(0, 2, 1) @ local
+            for m in members:
+                extra = curvatures[m]
+                if extra is not None:
+                    block += extra
+            blocks.append(block.ravel())
+        blocks.append(shift)
+        entries = np.concatenate(blocks)[self.kept]
+        data = np.bincount(self.slots, weights=entries, minlength=len(self.indices))
+        return sparse.csc_array((data, self.indices, self.starts), shape=(len(self.free),) * 2)
+
+
+def analysed(size: int, terms: Sequence[Term], fixed: Flags) -> Pattern:
+    """Analyse the pattern of the terms' matrix once: nested dissection, and a slot for each local entry."""
+    groups: list[tuple[Indices, list[int]]] = []
+    for number, term in enumerate(terms):
+        same = [members for unknowns, members in groups if unknowns is term.unknowns]
+        if same:
+            same[0].append(number)
+        else:
+            groups.append((term.unknowns, [number]))
+    rows = [np.repeat(u, u.shape[1], axis=1).ravel() for u, _ in groups] + [np.arange(size)]
+    columns = [np.tile(u, u.shape[1]).ravel() for u, _ in groups] + [np.arange(size)]
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    free = np.flatnonzero(~fixed)
+    place = np.full(size, -1, dtype=np.int64)
+    place[free] = np.arange(len(free))
+    kept = (place[row] >= 0) & (place[column] >= 0)
+    row, column = place[row[kept]], place[column[kept]]
+    n = len(free)
+    graph = sparse.csr_array((np.ones(len(row), dtype=np.int8), (row, column)), shape=(n, n))
+    order = nested_dissection(graph).order
+    if order is None:  # no METIS
+        order = np.asarray(csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True), dtype=np.int64)
+    position = np.empty(n, dtype=np.int64)
+    position[order] = np.arange(n)
+    key, slots = np.unique(position[column] * n + position[row], return_inverse=True)
+    starts = np.searchsorted(key, np.arange(n + 1) * n)
+    indices, starts = (key % n).astype(np.int32), starts.astype(np.int32)
+    pattern = sparse.csc_array((np.ones(len(key)), indices, starts), shape=(n, n))
+    return Pattern(
+        size,
+        free[order],
+        cholesky.analysed(pattern, np.arange(n)),
+        tuple((unknowns, tuple(members)) for unknowns, members in groups),
+        slots.ravel(),
+        kept,
+        indices,
+        starts,
+    )

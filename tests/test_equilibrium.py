@@ -1,0 +1,170 @@
+import numpy as np
+import pytest
+from rodded import any_rotation, bar, crumpled, helix, ring, turned
+from scipy.optimize import brentq
+from scipy.special import ellipeinc, ellipkinc
+
+from geoweave.equilibrium import Stepping, minimized
+from geoweave.errors import FieldError
+from geoweave.rod_energies import elastic_terms
+
+
+def clamped(rods):
+    """The first two vertices, and so the first segment, do not move."""
+    still = np.zeros(rods.layout.vertices, dtype=bool)
+    still[:2] = True
+    return np.concatenate([np.repeat(still, 3), still[rods.layout.ends].all(axis=1)])
+
+
+def cantilever(count, force, normal=(0.0, 0.0, 1.0)):
+    """A bar clamped at its start with a force on its end."""
+    rods = bar(count, 1.0 + 1.0 / count, normal=normal)
+    load = np.zeros((rods.layout.vertices, 3))
+    load[-1] = force
+    return minimized(rods, elastic_terms(rods.layout), fixed=clamped(rods), load=load)
+
+
+@pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), (0.0, 1.0, 0.0)])
+def test_a_cantilever_under_a_small_end_load_bends_by_p_l3_over_3ei(normal):
+    stiffness = 1e6 * (0.1 * 0.01**3 if normal[2] else 0.01 * 0.1**3) / 12
+    errors = []
+    for count in (10, 20, 40):
+        force = 1e-3 * 3 * stiffness  # an end that sinks by a thousandth of the length
+        found = cantilever(count, np.array([0, 0, -force]), normal)
+        assert found.converged
+        sunk = -found.rods.points[-1, 2]
+        # bending begins at the joint at the clamp, half a segment of which is clamped
+        errors.append(abs(sunk / 1e-3 - 1))
+    assert errors[-1] < 0.05
+    assert errors[2] < 0.6 * errors[1] < 0.4 * errors[0]
+
+
+def test_a_cantilever_under_a_large_end_load_is_the_elastica():
+    # B theta'' = -P cos(theta): with k = sin(alpha), sqrt(P / B) L = K(k) - F(phi0, k), tip angle theta_L,
+    # 2 k^2 = 1 + sin(theta_L), sin(phi0) = 1 / (k sqrt 2); with m = sqrt(P / B) L,
+    # drop / L = 1 - 2 (E(k) - E(phi0, k)) / m
+    ratio = 4.0
+    stiffness = 1e6 * 0.1 * 0.01**3 / 12
+
+    def span(k):
+        phi = np.arcsin(1 / (k * np.sqrt(2)))
+        return ellipkinc(np.pi / 2, k * k) - ellipkinc(phi, k * k) - np.sqrt(ratio)
+
+    k = brentq(span, np.sqrt(0.5) + 1e-9, 1 - 1e-9)
+    phi = np.arcsin(1 / (k * np.sqrt(2)))
+    drop = 1 - 2 * (ellipeinc(np.pi / 2, k * k) - ellipeinc(phi, k * k)) / np.sqrt(ratio)
+    errors = []
+    for count in (20, 40):
+        found = cantilever(count, np.array([0, 0, -ratio * stiffness]))
+        assert found.converged
+        errors.append(abs(-found.rods.points[-1, 2] - drop))
+    assert 0.6 < drop < 0.7
+    assert errors[1] < 0.6 * errors[0]
+    assert errors[1] < 0.02
+
+
+def wobbly(count=24, size=0.02, seed=0):
+    """A ring with every vertex and every section a little out of place."""
+    hoop = ring(count)
+    return hoop.stepped(size * np.random.default_rng(seed).normal(size=hoop.size))
+
+
+def test_a_coiled_strip_unravels_into_a_straight_flat_one():
+    rods = helix(24, 1.0, 1.0, 0.6)
+    found = minimized(rods, elastic_terms(rods.layout))
+    assert found.converged
+    np.testing.assert_allclose(found.rods.lengths, rods.rest, rtol=1e-6)
+    np.testing.assert_allclose(found.rods.tangents @ found.rods.tangents[0], 1, atol=1e-6)
+    np.testing.assert_allclose(found.rods.twists, 0, atol=1e-4)
+
+
+def test_a_hoop_becomes_round_and_the_energy_never_rises():
+    rods = wobbly()
+    found = minimized(rods, elastic_terms(rods.layout))
+    assert found.converged
+    energies = np.array([step.energy for step in found.steps])
+    assert (np.diff(energies) <= 1e-13 * energies[0]).all()
+    bent = np.linalg.norm(found.rods.binormals, axis=1)
+    np.testing.assert_allclose(bent, bent.mean(), rtol=1e-3)
+
+
+def test_rods_at_rest_take_no_step():
+    rods = bar(10)
+    seen = []
+    found = minimized(rods, elastic_terms(rods.layout), callback=seen.append)
+    assert found.converged
+    assert found.steps == tuple(seen)
+    assert [step.number for step in found.steps] == [0]
+    assert found.gradient == 0
+
+
+def test_the_centre_of_mass_stays():
+    rods = crumpled()
+    # the two rods have contacts, so they are one part
+    found = minimized(rods, elastic_terms(rods.layout), stepping=Stepping(most_steps=10))
+    masses = np.bincount(rods.layout.ends.ravel(), np.repeat(rods.rest, 2))
+    assert np.linalg.norm(found.rods.points - rods.points, axis=1).max() > 0.1
+    np.testing.assert_allclose(masses @ found.rods.points, masses @ rods.points, atol=1e-12)
+
+
+def test_the_result_does_not_depend_on_where_the_rods_are():
+    rods = wobbly()
+    moved = turned(rods, any_rotation(), np.array([5.0, 0, -2]))
+    one, two = (minimized(each, elastic_terms(each.layout)) for each in (rods, moved))
+    assert one.converged
+    assert two.converged
+    assert sum(two.energies.values()) == pytest.approx(sum(one.energies.values()), rel=1e-9)
+
+
+def test_without_memory_it_ends_at_the_same_place():
+    rods = wobbly()
+    terms = elastic_terms(rods.layout)
+    with_memory = minimized(rods, terms)
+    without = minimized(rods, terms, stepping=Stepping(memory=0))
+    assert with_memory.converged
+    assert without.converged
+    assert sum(without.energies.values()) == pytest.approx(sum(with_memory.energies.values()), rel=1e-9)
+
+
+def test_it_ends_and_says_so_when_steps_run_out():
+    rods = crumpled()
+    found = minimized(rods, elastic_terms(rods.layout), stepping=Stepping(most_steps=2))
+    assert not found.converged
+    assert len(found.steps) == 3
+    assert "after 2 steps" in found.ending
+
+
+def test_it_ends_when_nothing_can_be_won():
+    rods = wobbly()
+    found = minimized(rods, elastic_terms(rods.layout), stepping=Stepping(tolerance=1e-300, most_steps=200))
+    assert not found.converged
+    assert np.isfinite(found.rods.points).all()
+    assert min(step.gradient for step in found.steps) < 1e-6
+    assert "no step lowers" in found.ending or len(found.steps) == 201
+
+
+def test_an_energy_that_turns_into_nan_is_never_accepted():
+    from geoweave.rod_energies import Term
+
+    rods = ring(12)
+    (stretch, *_) = elastic_terms(rods.layout)
+
+    def trap(each):
+        residual = stretch.residual(each) + 1.0
+        return np.where(each.lengths[:, None] < 0.98 * each.rest[:, None], np.nan, residual)
+
+    found = minimized(
+        rods, [Term("trap", stretch.unknowns, trap, stretch.derivative)], stepping=Stepping(most_steps=5)
+    )
+    assert np.isfinite(sum(found.energies.values()))
+    assert len(found.steps) > 1
+    assert (found.rods.lengths >= 0.98 * rods.rest).all()
+    assert not found.converged
+
+
+@pytest.mark.parametrize("name", ["tolerance", "most_steps", "turn", "sufficient", "shortest"])
+def test_numbers_that_make_no_sense_are_refused(name):
+    with pytest.raises(FieldError, match=name):
+        Stepping(**{name: 0})
+    with pytest.raises(FieldError, match="memory"):
+        Stepping(memory=-1)

@@ -1,0 +1,197 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rodded import any_rotation, bar, circle, ring, rods_of
+
+from geoweave.closest import closest_points, triangle_tree
+from geoweave.departure import fitted, held
+from geoweave.equilibrium import Stepping
+from geoweave.relaxation import Springs, relax, relaxing_terms, replaced_contacts, slide, vertex_masses
+from geoweave.ribbon_rods import rods_of_file
+from geoweave.rod_energies import edgewise_bending
+from geoweave.rodfiles import RodError, read_rods
+from geoweave.rods import Contacts, Material
+from geoweave.shapes import sphere
+
+PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
+THIN = Material(thickness=0.002, young=1e8)
+
+
+def three_great_circles(count=48, *, tilt=0.0, seed=0):
+    """Three rings about a ball, each over one and under the other where they cross: six contacts."""
+    flat = circle(count)
+    frames = [np.eye(3), np.eye(3)[[1, 2, 0]], np.eye(3)[[2, 0, 1]]]
+    lines = [flat @ frame for frame in frames]
+    if tilt:
+        rng = np.random.default_rng(seed)
+        lines = [line + tilt * rng.normal(size=line.shape) for line in lines]
+        lines = [line / np.linalg.norm(line, axis=1)[:, None] for line in lines]
+    normals = np.concatenate([0.5 * (line + np.roll(line, -1, axis=0)) for line in lines])
+    free = rods_of(lines, normals, closed=True, width=0.04, material=THIN)
+    quarter = count // 4
+    # ring 0 passes x, y, -x, -y; ring 1 passes y, z, ...; ring 2 passes z, x, ...
+    pairs, over = [], []
+    for a, b, at, bt in ((0, 1, 1, 0), (0, 1, 3, 2), (1, 2, 1, 0), (1, 2, 3, 2), (2, 0, 1, 0), (2, 0, 3, 2)):
+        pairs.append([a * count + at * quarter, b * count + bt * quarter])
+        over.append(1)
+    return replace(free, contacts=Contacts(pairs, np.zeros((6, 2)), over))
+
+
+def test_contacts_of_the_three_rings_are_where_they_cross():
+    rods = three_great_circles()
+    one, two = (rods.points[rods.layout.ends[rods.contacts.segments[:, k], 0]] for k in (0, 1))
+    np.testing.assert_allclose(one, two, atol=1e-12)
+
+
+def test_three_rings_relax_and_hold_their_shape():
+    rods = three_great_circles(tilt=0.01)
+    seen = []
+    found = relax(rods, callback=seen.append)
+    assert found.converged
+    assert found.gradient <= 1e-6
+    assert found.steps == tuple(seen)
+    energies = np.array([step.energy for step in found.steps])
+    assert (np.diff(energies) < 0).all()
+    shifted = np.linalg.norm(fitted(found.rods, rods) - rods.points, axis=1)
+    assert shifted.max() < 0.05 * 2 * np.sqrt(3)
+    # what holds it: in each contact the ribbons lie flush
+    pair = found.rods.directors[found.rods.contacts.segments]
+    np.testing.assert_allclose((pair[:, 0] * pair[:, 1]).sum(1), 1, atol=1e-9)
+
+
+def test_the_upper_ring_lies_a_thickness_above():
+    found = relax(three_great_circles())
+    rods = found.rods
+    start = rods.points[rods.layout.ends[rods.contacts.segments, 0]]
+    height = ((start[:, 1] - start[:, 0]) * rods.directors[rods.contacts.segments[:, 0]]).sum(1)
+    # the contact is a spring: it gives way to the bending of the rings by a share of the thickness
+    assert (height > 0.5 * THIN.thickness).all()
+    assert (height < 1.2 * THIN.thickness).all()
+    stiff = relax(three_great_circles(), springs=Springs(position=1e5)).rods
+    start = stiff.points[stiff.layout.ends[stiff.contacts.segments, 0]]
+    height = ((start[:, 1] - start[:, 0]) * stiff.directors[stiff.contacts.segments[:, 0]]).sum(1)
+    np.testing.assert_allclose(height, THIN.thickness, rtol=0.02)
+
+
+def test_nothing_pulls_to_a_surface_without_contacts():
+    # without its contacts a ribbon unravels into a straight, flat strip (E.2)
+    line = circle(20)[:14]
+    rods = rods_of([line], line[:-1] + line[1:])
+    found = relax(rods)
+    assert found.converged
+    ends = found.rods.points[-1] - found.rods.points[0]
+    assert np.linalg.norm(ends) == pytest.approx(rods.rest.sum(), rel=1e-6)
+
+
+def test_weight_needs_something_to_stand_on():
+    rods = three_great_circles()
+    with pytest.raises(RodError, match="nothing holds the weave against gravity"):
+        relax(rods, gravity=[0, 0, -1.0])
+    with pytest.raises(RodError, match="three finite numbers"):
+        relax(rods, gravity=[0, -1.0])
+    assert relax(rods, gravity=[0, 0, 0]).converged
+
+
+def test_a_standing_weave_sinks_under_its_weight_and_its_feet_stay():
+    rods = three_great_circles()
+    feet = rods.points[:, 2] < -0.98
+    still = relax(rods, fixed=feet)
+    heavy = replace(rods, material=replace(THIN, density=1e2))
+    found = relax(heavy, fixed=feet, gravity=[0, 0, -1.0])
+    assert still.converged
+    assert found.converged
+    np.testing.assert_array_equal(found.rods.points[feet], rods.points[feet])
+    masses = vertex_masses(heavy)
+    assert masses.sum() == pytest.approx(1e2 * 0.002 * 0.04 * rods.rest.sum())
+    assert masses @ found.rods.points[:, 2] < masses @ still.rods.points[:, 2] - 1e-6
+
+
+def test_fixed_vertices_are_flags():
+    with pytest.raises(RodError, match="fixed vertices are 4 flags"):
+        relax(bar(3), fixed=np.array([0, 1]))
+
+
+def test_sliding_straightens_a_wobbly_great_circle():
+    ball = sphere(1280)
+    count = 48
+    angle = 2 * np.pi * np.arange(count) / count
+    height = 0.1 * np.sin(5 * angle)
+    line = np.column_stack([np.cos(angle), np.sin(angle), height])
+    line /= np.linalg.norm(line, axis=1)[:, None]
+    tree = triangle_tree(ball.vertices[ball.faces])
+    line, _ = closest_points(tree, line)
+    rods = rods_of([line], 0.5 * (line + np.roll(line, -1, axis=0)), closed=True, width=0.04, material=THIN)
+    edgewise = edgewise_bending(rods.layout)
+    found = slide(rods, ball, rounds=4)
+    assert found.converged
+    assert edgewise.energy(found.rods) < 0.02 * edgewise.energy(rods)
+    near, _ = closest_points(tree, found.rods.points)
+    assert np.linalg.norm(near - found.rods.points, axis=1).max() < 0.01
+
+
+def test_contacts_follow_ribbons_that_slide():
+    line = np.linspace(-1, 1, 21)
+    one = np.column_stack([line, 0 * line, 0 * line])
+    two = np.column_stack([0 * line, line, 0 * line])
+    rods = rods_of([one, two], np.array([0, 0, 1.0]), contacts=Contacts([[10, 30]], [[0.0, 0.0]], [1]))
+    points = rods.points.copy()
+    points[21:] += [0.13, 0.04, 0.0]
+    moved = replace(rods, points=points, edges=None)
+    found = replaced_contacts(moved)
+    assert found.segments.tolist() == [[11, 29]]
+    np.testing.assert_allclose(found.places, [[0.3, 0.6]], atol=1e-9)
+    assert len(replaced_contacts(ring(5))) == 0
+
+
+def test_a_surface_can_be_slid_on_for_so_many_rounds():
+    with pytest.raises(RodError, match="one round or more"):
+        slide(three_great_circles(), sphere(80), rounds=0)
+
+
+@pytest.mark.parametrize("name", ["normal", "tangential", "position", "orientation"])
+def test_the_constants_are_the_papers_and_no_nonsense(name):
+    assert (
+        getattr(Springs(), name)
+        == {"normal": 1e3, "tangential": 1, "position": 1e3, "orientation": 1e6}[name]
+    )
+    with pytest.raises(RodError, match=name):
+        Springs(**{name: -1.0})
+
+
+def test_terms_without_contacts_are_the_elastic_ones():
+    assert [term.name for term in relaxing_terms(bar(3))] == [
+        "stretching",
+        "normal curvature",
+        "geodesic curvature",
+        "twist",
+    ]
+    assert len(relaxing_terms(three_great_circles())) == 6
+
+
+def test_relaxing_commutes_with_rigid_motion():
+    rods = three_great_circles(24, tilt=0.01)
+    rotation, shift = any_rotation(), np.array([2.0, -1, 3])
+    moved = replace(
+        rods, points=rods.points @ rotation.T + shift, directors=rods.directors @ rotation.T, edges=None
+    )
+    one, two = relax(rods), relax(moved)
+    np.testing.assert_allclose(two.rods.points, one.rods.points @ rotation.T + shift, atol=1e-4)
+
+
+def test_it_says_when_it_does_not_converge():
+    assert not relax(three_great_circles(tilt=0.01), stepping=Stepping(most_steps=1)).converged
+
+
+@pytest.mark.skipif(not PEER.is_dir(), reason="RibbonSim's files are not beside the checkout")
+@pytest.mark.parametrize("name", ["cone60", "torus7"])
+def test_peers_relax_and_stay_near_their_shape(name):
+    rods = rods_of_file(read_rods(PEER / f"{name}.rod"))
+    found = relax(rods)
+    assert found.converged
+    diagonal = np.linalg.norm(np.ptp(rods.points, axis=0))
+    shifted = np.linalg.norm(fitted(found.rods, rods) - rods.points, axis=1) / diagonal
+    # between the outermost crossings of each rod: torus7 has free tails of up to eight segments
+    assert shifted[held(rods)].max() < 0.05
+    assert shifted.mean() < 0.02
