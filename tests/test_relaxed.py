@@ -1,0 +1,93 @@
+"""A weave is slid and relaxed whole, and relaxed.json holds what a maker measures."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geoweave import shapes
+from geoweave.relaxed import Relaxed, boundary_ends, relaxed_weave, rods_of_weave
+from geoweave.rodfiles import RodError
+from geoweave.weave import weave_pattern
+from geoweave.woven import Weave
+
+
+@cache
+def cone() -> Weave:
+    """The cone of Appendix F, as near as the search comes to ten ribbons of the paper."""
+    return weave_pattern(shapes.cone(faces=1500), ribbons=12).sized(100.0)
+
+
+@cache
+def relaxed() -> Relaxed:
+    return relaxed_weave(cone())
+
+
+def test_it_converges_near_its_surface() -> None:
+    found = relaxed()
+    metrics = found.metrics()
+    assert found.converged
+    assert metrics["converged"]
+    assert 0 < metrics["mean"] <= metrics["rms"] <= metrics["hausdorff"] < 0.05
+    assert metrics["hausdorff_held"] <= metrics["hausdorff"]
+    assert metrics["energy_after"] < metrics["energy_before"]
+    assert metrics["worst"]["ribbon"] in cone().names
+    assert set(found.seconds) == {"slide", "relax", "departure"}
+
+
+def test_sliding_releases_geodesic_curvature() -> None:
+    first, last = relaxed().slid.steps[0].energies, relaxed().slid.energies
+    assert last["geodesic curvature"] < 0.1 * first["geodesic curvature"]
+
+
+def test_document_holds_the_weave_where_it_rests(tmp_path: Path) -> None:
+    found, weave = relaxed(), cone()
+    found.save(tmp_path / "relaxed.json")
+    document = json.loads((tmp_path / "relaxed.json").read_text())
+    assert document["format"] == "geoweave-weave"
+    assert document["units"] == "mm"
+    assert [each["label"] for each in document["ribbons"]] == weave.names
+    assert len(document["crossings"]) == len(found.left.rods.contacts)
+    unit = weave.placement.scale
+    for ribbon in document["ribbons"]:
+        points = np.array(ribbon["points"])
+        chords = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+        # ribbons hardly stretch
+        assert chords == pytest.approx(ribbon["length"], rel=1e-3)
+        np.testing.assert_allclose(np.linalg.norm(ribbon["normals"], axis=1), 1.0)
+        # the cone's own normals point outwards, and so do the ribbons'
+        outward = points * [1.0, 1.0, 0.0] - [*(points[:, :2].mean(axis=0) * 0), 0.0]
+        assert (np.array(ribbon["normals"])[:, :2] * outward[:, :2]).sum(axis=1).mean() > 0
+    before = {each["id"]: each for each in weave.document()["crossings"]}
+    shifts = []
+    for crossing in document["crossings"]:
+        assert crossing["over"] == crossing["ribbons"][crossing["over_index"]]
+        lengths = [document["ribbons"][r]["length"] for r in crossing["ribbons"]]
+        assert all(
+            0 <= at <= length * (1 + 1e-9) for at, length in zip(crossing["arclength"], lengths, strict=True)
+        )
+        shifts.append(
+            min(np.linalg.norm(np.subtract(each["point"], crossing["point"])) for each in before.values())
+        )
+    assert max(shifts) < 0.5 * weave.ribbons.spacing * unit
+    over = {tuple(sorted(each["ribbons"])): each["over"] for each in before.values()}
+    assert all(each["over"] == over[tuple(sorted(each["ribbons"]))] for each in document["crossings"])
+
+
+def test_gravity_needs_something_to_stand_on() -> None:
+    with pytest.raises(RodError, match="gravity"):
+        relaxed_weave(cone(), gravity=(0.0, 0.0, -1.0), rounds=1)
+
+
+def test_a_fixed_boundary_stays() -> None:
+    weave = cone()
+    rods = rods_of_weave(weave)
+    fixed = boundary_ends(weave, rods)
+    assert 0 < fixed.sum() <= 2 * len(rods)
+    found = relaxed_weave(weave, fixed_boundary=True, rounds=1)
+    np.testing.assert_allclose(found.left.rods.points[fixed], rods.points[fixed], atol=1e-9)
+    assert not boundary_ends(weave_pattern(shapes.sphere(500), ribbons=8), rods).any()
