@@ -27,7 +27,7 @@ SparseMatrix: TypeAlias = sparse.csr_array | sparse.csc_array | sparse.dia_array
 
 Column = TypeVar("Column", NDArray[np.float64], NDArray[np.complex128])
 
-LARGE = 20_000
+LARGE = 12_000
 """Unknowns from which our own Cholesky factorisation takes the place of SuperLU."""
 
 HELD_TOLERANCE = 1e-13
