@@ -11,6 +11,7 @@ from pathlib import Path
 
 from geoweave.inspection import Inspection, inspected
 from geoweave.output import OutputError, check_writable, replacing
+from geoweave.relaxed import Relaxed
 from geoweave.ribbon_rods import file_of_rods, rods_of_ribbons
 from geoweave.rodfiles import RodFile, write_rods
 from geoweave.woven import Weave
@@ -61,6 +62,7 @@ def write_weave(
     folder: str | PathLike[str],
     formats: Iterable[str] = (),
     report: Inspection | None = None,
+    relaxed: Relaxed | None = None,
 ) -> dict[str, Path]:
     """Write ``weave.json``, ``report.json`` and what else is asked for, all together or not at all.
 
@@ -70,6 +72,7 @@ def write_weave(
     folder : where to; it is made if it is not there, in a folder that is
     formats : names from `FORMATS`
     report : what `inspected` found; it is called if not given
+    relaxed : the weave relaxed: ``relaxed.json`` is written too, and the report says how it rests
 
     Returns
     -------
@@ -84,10 +87,12 @@ def write_weave(
         If a rod cannot be made of a ribbon.
     """
     wanted = check_formats(formats)
-    texts = {
-        "weave.json": json.dumps(weave.document(), allow_nan=False) + "\n",
-        "report.json": json.dumps((report or inspected(weave)).document(), indent=1, allow_nan=False) + "\n",
-    }
+    said = (report or inspected(weave)).document()
+    texts = {"weave.json": json.dumps(weave.document(), allow_nan=False) + "\n"}
+    if relaxed is not None:
+        texts["relaxed.json"] = json.dumps(relaxed.document(), allow_nan=False) + "\n"
+        said |= {"relax": relaxed.metrics()}
+    texts["report.json"] = json.dumps(said, indent=1, allow_nan=False) + "\n"
     rods = rod_file(weave) if "rod" in wanted else None
     target = Path(folder)
     new = not target.exists()

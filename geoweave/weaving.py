@@ -22,6 +22,7 @@ from geoweave.terminal import (
 )
 
 if TYPE_CHECKING:
+    from geoweave.equilibrium import Step
     from geoweave.inspection import Inspection
     from geoweave.prepare import Prepared
     from geoweave.woven import Weave
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     "--formats", default="json", metavar="json,rod", help="What to write, apart by commas; json always is."
 )
 @click.option(
-    "--no-relax", is_flag=True, help="Stop before physics; needed for now, as relaxing is yet to come."
+    "--no-relax", is_flag=True, help="Stop before physics: nothing slides, and relaxed.json is not written."
 )
 @as_json
 def weave(
@@ -67,13 +68,12 @@ def weave(
     as_json: bool,
 ) -> None:
     """Design a weave: ribbons along geodesics, their crossings, over and under."""
-    if not no_relax:
-        raise click.UsageError("relaxing a weave by physics is yet to come; add --no-relax")
     if ribbons is not None and scale is not None:
         raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
     from geoweave.inspection import inspected
     from geoweave.outputs import check_formats, write_weave
     from geoweave.prepare import evened
+    from geoweave.relaxed import relaxed_weave
     from geoweave.weave import weave_pattern
 
     wanted = check_formats(formats.split(","))
@@ -96,8 +96,12 @@ def weave(
         pattern = pattern.sized(size, width, thickness)
         with timed(seconds, "inspection"):
             report = inspected(pattern)
+        rest = None
+        if not no_relax:
+            rest = relaxed_weave(pattern, callback=lambda stage, step: say(_progress(stage, step)))
+            seconds |= rest.seconds
         with timed(seconds, "write"):
-            files = write_weave(pattern, folder, wanted, report)
+            files = write_weave(pattern, folder, wanted, report, rest)
     seconds["total"] = sum(seconds.values())
     result = {
         "mesh": surface.name,
@@ -116,6 +120,7 @@ def weave(
         "thickness": pattern.thickness * pattern.placement.scale,
         "suggested_width": report.suggested_width,
         "places": report.counts,
+        "relax": None if rest is None else rest.metrics(),
         "violations": len(report.violations),
         "seconds": {key: round(value, 4) for key, value in seconds.items()},
         "repairs": prepared.report.as_dict(),
@@ -163,6 +168,7 @@ def _rows(
         ),
         ("loose ends", text_of(result["loose_ends"])),
     ]
+    rows += _rest(result["relax"], unit)
     rows += [("broken rule", text) for text in report.violations]
     rows += [("hard places", "none") if not report.places else ("hard places", "")]
     rows += [(f"  {kind.replace('_', ' ')}", _worst(kind, report)) for kind, n in report.counts.items() if n]
@@ -171,6 +177,30 @@ def _rows(
         ("written to", ", ".join(result["files"])),
     ]
     return rows
+
+
+def _progress(stage: str, step: Step) -> str:
+    doing = {"slide": "sliding", "relax": "relaxing"}[stage]
+    return f"{doing}: step {step.number}, forces balance to {step.gradient:.1g}"
+
+
+HOLDS = 0.05
+"""A weave that rests nearer to its surface than this share of the bounding diagonal holds its shape."""
+
+
+def _rest(relax: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:
+    """Whether the weave will hold its shape, and where it departs most."""
+    if relax is None:
+        return []
+    worst, far = relax["worst"], relax["hausdorff_held"]
+    verdict = "it holds its shape" if far < HOLDS else "it departs from its shape"
+    if not relax["converged"]:
+        verdict = f"not at rest ({relax['ending']})"
+    where = ", ".join(f"{x:.4g}" for x in worst["point"])
+    return [
+        ("at rest", f"{verdict}: {relax['mean']:.1%} of the diagonal from the surface, at most {far:.1%}"),
+        ("  farthest", f"{worst['distance']:.3g}{unit} at ({where}), {worst['ribbon']}"),
+    ]
 
 
 def _worst(kind: str, report: Inspection) -> str:

@@ -290,12 +290,27 @@ def test_weave_of_a_size_with_rods_for_a_number_of_ribbons(run, ball, tmp_path):
     assert (tmp_path / "again" / "report.json").read_bytes() == (folder / "report.json").read_bytes()
 
 
+def test_weave_relaxes_unless_told_not_to(run, ball, tmp_path):
+    ask = ("weave", ball, "--faces", 1500, "--ribbons", 15)
+    status, out, _ = run(*ask, "-o", tmp_path / "woven")
+    assert status == 0
+    assert "it holds its shape" in out
+    relaxed, report = (
+        json.loads((tmp_path / "woven" / name).read_text()) for name in ("relaxed.json", "report.json")
+    )
+    assert report["relax"]["converged"]
+    assert relaxed["metrics"]["relax"] == report["relax"]
+    status, out, _ = run(*ask, "--no-relax", "--json", "-o", tmp_path / "plain")
+    assert status == 0
+    assert json.loads(out)["relax"] is None
+    assert not (tmp_path / "plain" / "relaxed.json").exists()
+
+
 def test_weave_for_people_and_what_it_refuses(run, ball, tmp_path):
     status, out, _ = run("weave", ball, "--faces", 1500, "--no-relax", "-o", tmp_path / "woven")
     assert status == 0
     for word in ("ribbons", "crossings", "alternation", "loose ends", "in the mesh's unit", "hard places"):
         assert word in out
-    assert refused(run("weave", ball, "-o", tmp_path / "other"), "--no-relax")
     assert refused(run("weave", ball, "--no-relax", "-o", ball), "is a file")
     assert refused(run("weave", ball, "--no-relax", "-o", tmp_path / "no" / "where"), "no")
     weave = ("weave", ball, "--no-relax", "-o", tmp_path / "x")
