@@ -9,6 +9,7 @@ from os import PathLike
 from typing import Any, NamedTuple
 
 from reportlab.pdfgen.canvas import Canvas
+from reportlab.pdfgen.pathobject import PDFPathObject
 
 from geoweave.flatdrawing import LAYERS, ROLES, Drawn, Figure
 from geoweave.inks import INK, Colours, ink, mixed
@@ -106,13 +107,12 @@ def _figure(canvas: Any, figure: Figure, colours: Colours) -> None:
         canvas.setLineWidth(look.width)
     if look.fill is not None:
         canvas.setFillColor(look.fill)
-    path = canvas.beginPath()
+    # The numbers are written here: most of the time of a file would go into how the library writes them.
+    code = []
     for points in figure.paths:
-        path.moveTo(*points[0])
-        for point in points[1:]:
-            path.lineTo(*point)
-        if figure.closed:
-            path.close()
+        code += [f"{x:.4f} {y:.4f} {'l' if k else 'm'}" for k, (x, y) in enumerate(points.tolist())]
+        code += ["h"] if figure.closed else []
+    path = PDFPathObject(code=code)
     canvas.drawPath(path, stroke=int(look.stroke is not None), fill=int(look.fill is not None))
 
 

@@ -126,7 +126,8 @@ class _Drawing:
         self.inside = self.edge - min(0.04 * pattern.width, 0.4)
         self.pad = min(max(0.07 * pattern.width, 0.25), 0.8)
         self.heights = sorted(
-            {min(max(share * self.width, SMALLEST), LARGEST) for share in (0.34, 0.29, 0.25)}, reverse=True
+            {min(max(share * self.width, SMALLEST), LARGEST) for share in (0.34, 0.29, 0.25, 0.21)},
+            reverse=True,
         )
         self.radius = min(0.2 * self.width, 3.5)
         self.board = Board(self.pad, self.length - self.pad, self.pad)

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Ribbon", "glb_bytes", "solid_ribbons", "write_glb"]
 
-CLEAR = 1.1
-"""Distance of the middles of two ribbons where they cross, in thicknesses."""
+CLEAR = 1.4
+"""Distance of the middles of two ribbons where they cross, in thicknesses; the surface bends under them."""
 
 
 class Ribbon(NamedTuple):
@@ -159,7 +159,7 @@ def _ribbon(
     closed = bool(ribbon["closed"])
     if closed:
         points = np.concatenate([points, points[:1]])
-        normals = np.concatenate([normals, normals[:1]])
+        normals = np.concatenate([normals, normals[:1]])  # one more than there are segments, as on open ones
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     at = np.concatenate([[0.0], np.cumsum(steps)])
     even = np.linspace(0.0, at[-1], max(round(at[-1] / step), 2) + 1)
@@ -171,14 +171,7 @@ def _ribbon(
         even = even[nearest > 0.25 * step]
     where = np.unique(np.concatenate([even, met]))
     centre = np.stack([np.interp(where, at, points[:, axis]) for axis in range(3)], axis=1)
-    # A normal belongs to the segment that follows its point, so to the middle of that one.
-    middles = 0.5 * (at[:-1] + at[1:])
-    if closed:
-        middles = np.concatenate([middles[-1:] - at[-1], middles, middles[:1] + at[-1]])
-        normals = np.concatenate([normals[-2:-1], normals[:-1], normals[:1]])
-    else:
-        normals = normals[:-1]
-    up = np.stack([np.interp(where, middles, normals[:, axis]) for axis in range(3)], axis=1)
+    up = _mean_normals(where, at, normals[:-1], 0.5 * width, closed)
     ahead = np.gradient(centre, axis=0)
     if closed:
         ahead[0] = ahead[-1] = centre[1] - centre[-2]
@@ -186,22 +179,40 @@ def _ribbon(
     up -= (up * ahead).sum(axis=1, keepdims=True) * ahead
     up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
     side = np.cross(up, ahead)
-    height = _heights(where, lift, at[-1], closed)
+    height = _heights(where, lift, at[-1], width, closed)
     return _tube(ribbon, centre + height[:, None] * up, side, up, ahead, width, thickness, closed)
 
 
-def _heights(where: Scalars, lift: list[tuple[float, float]], length: float, closed: bool) -> Scalars:
-    """Height above the surface: that of the crossings, monotone between them."""
-    if closed and lift:
-        lift = [(s - length, h) for s, h in lift] + lift + [(s + length, h) for s, h in lift]
-    place = np.array([s for s, _ in lift])
-    value = np.array([h for _, h in lift])
-    if len(place):
-        place, first = np.unique(place, return_index=True)
-        value = value[first]
-    if len(place) < 2:
-        return np.full(len(where), value[0] if len(place) else 0.0)
-    return np.asarray(PchipInterpolator(place, value)(np.clip(where, place[0], place[-1])))
+def _mean_normals(where: Scalars, at: Scalars, normals: Vectors, reach: float, closed: bool) -> Vectors:
+    """Mean of the normals of the segments within reach, so that a ribbon does not rattle over the faces."""
+    steps = np.diff(at)
+    if closed:
+        normals, steps = np.tile(normals, (3, 1)), np.tile(steps, 3)
+        where = where + at[-1]
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    summed = np.concatenate([np.zeros((1, 3)), np.cumsum(steps[:, None] * normals, axis=0)])
+    low, high = (np.clip(where + way * reach, 0.0, along[-1]) for way in (-1, 1))
+    return np.stack(
+        [np.interp(high, along, summed[:, k]) - np.interp(low, along, summed[:, k]) for k in range(3)], axis=1
+    )
+
+
+def _heights(
+    where: Scalars, lift: list[tuple[float, float]], length: float, width: float, closed: bool
+) -> Scalars:
+    """Height above the surface: even across the width of a crossing, monotone from one to the next."""
+    if not lift:
+        return np.zeros(len(where))
+    place, first = np.unique([s for s, _ in lift], return_index=True)
+    value = np.array([h for _, h in lift])[first]
+    if closed:
+        place = np.concatenate([place - length, place, place + length])
+        value = np.tile(value, 3)
+    gaps = np.diff(place, prepend=-np.inf, append=np.inf)
+    reach = np.minimum(0.5 * width, 0.4 * np.minimum(gaps[:-1], gaps[1:]))
+    knots = np.stack([place - reach, place + reach], axis=1).ravel()
+    heights = PchipInterpolator(knots, np.repeat(value, 2))(np.clip(where, knots[0], knots[-1]))
+    return np.asarray(heights)
 
 
 def _tube(

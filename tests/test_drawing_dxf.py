@@ -12,7 +12,7 @@ from ezdxf.document import Drawing
 
 from geoweave.drawing_dxf import APPLICATION, write_dxf
 from geoweave.inks import Colours
-from tests.laidflat import NAMES, patterns
+from tests.laidflat import patterns
 from tests.test_drawing_svg import sheet
 
 
@@ -21,7 +21,7 @@ def read(name: str, folder: Path, colours: Colours | None = None) -> Drawing:
     return ezdxf.readfile(folder / "pattern.dxf")
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["circles", "bow tie", "cone"])
 def test_strips_are_as_long_as_their_ribbons(name: str, tmp_path: Path) -> None:
     pattern, drawing = patterns()[name], read(name, tmp_path)
     found = {}
@@ -68,7 +68,7 @@ def test_every_crossing_is_solid_on_one_strip_and_hollow_on_the_other(tmp_path: 
 def test_the_same_weave_gives_the_same_bytes_and_the_library_is_left_as_it_was(tmp_path: Path) -> None:
     data = []
     for _ in range(2):
-        read("flat", tmp_path)
+        read("circles", tmp_path)
         data.append((tmp_path / "pattern.dxf").read_bytes())
         assert options.write_fixed_meta_data_for_testing is False
     assert data[0] == data[1]

@@ -47,8 +47,8 @@ def test_pattern_json_is_read_back_with_its_order(tmp_path: Path) -> None:
 
 
 def test_several_sheets_are_several_files(tmp_path: Path) -> None:
-    bench = Bench(stock=Stock(200.0, 60.0))
-    names = sorted(write(patterns()["flat"], tmp_path, ["svg", "dxf"], bench=bench))
+    bench = Bench(stock=Stock(220.0, 40.0))
+    names = sorted(write(patterns()["circles"], tmp_path, ["svg", "dxf"], bench=bench))
     count = len(names) // 2
     assert count > 1
     assert names == sorted(f"pattern-{k:02d}.{kind}" for k in range(1, count + 1) for kind in ("svg", "dxf"))
