@@ -118,10 +118,10 @@ def pieces_of(pattern: Pattern, making: Making, longest: float = math.inf) -> tu
             end = high if k == count - 1 else start + size
             joins = []
             if k or strip.closed:
-                name = f"{strip.label}:{k or count}"
+                name = f"{strip.label}={k or count}"
                 joins.append(Join(start, start + overlap, name, False))
             if k < count - 1 or strip.closed:
-                joins.append(Join(end - overlap, end, f"{strip.label}:{k + 1}", True))
+                joins.append(Join(end - overlap, end, f"{strip.label}={k + 1}", True))
             found.append(Piece(r, k + 1, count, start, end, tuple(joins)))
     return tuple(found)
 

@@ -127,7 +127,7 @@ def test_pieces_say_where_they_match() -> None:
     for one, other in zip(drawings[::2], drawings[1::2], strict=True):
         texts = [{figure.text for figure in each.figures} for each in (one, other)]
         label = patterns()["flat"].strips[one.piece.strip].label
-        assert f"{label}:1" in texts[0] & texts[1]
+        assert f"{label}=1" in texts[0] & texts[1]
         assert {f"{label} 1/2 >"} <= texts[0]
         assert {f"{label} 2/2 >"} <= texts[1]
         # the line on each piece is where the other one ends

@@ -13,7 +13,7 @@ from geoweave.lettering import PEN, Board, Box, boxes_overlap, text_strokes, tex
 
 
 def test_the_box_holds_the_strokes_and_the_pen() -> None:
-    for text in ("A1", "B12/2", "C3:1", "Q >", *string.ascii_uppercase, *string.digits):
+    for text in ("A1", "B12/2", "C3=1", "Q >", *string.ascii_uppercase, *string.digits):
         strokes, box = text_strokes(text, 3.0, 10.0, -2.0)
         points = np.concatenate(strokes)
         assert box.right - box.left == pytest.approx(text_width(text, 3.0) + 3 * PEN)
