@@ -22,7 +22,20 @@ from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import GeoweaveError
 from geoweave.parity import best_labels
 
-__all__ = ["Crossings", "Interlacing", "Merge", "Relations", "greedy", "judged", "merged", "optimal"]
+TIME_LIMIT = 60.0
+"""Seconds after which the proof of an optimum ends; its effort is counted, so this is a guard only."""
+
+__all__ = [
+    "TIME_LIMIT",
+    "Crossings",
+    "Interlacing",
+    "Merge",
+    "Relations",
+    "greedy",
+    "judged",
+    "merged",
+    "optimal",
+]
 
 
 class Relations(NamedTuple):
@@ -230,7 +243,7 @@ def greedy(crossings: Crossings, seed: int = 0) -> Interlacing:
     return judged(crossings, over)
 
 
-def optimal(crossings: Crossings, time_limit: float = 10.0) -> Interlacing:
+def optimal(crossings: Crossings, time_limit: float = TIME_LIMIT) -> Interlacing:
     """The sides that break the fewest relations, and of these the ones that interleave the most triangles.
 
     Solved exactly by `geoweave.parity.best_labels`; when the time limit (seconds) strikes, the best found

@@ -17,8 +17,9 @@ from geoweave.fields import FaceField
 from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
 from geoweave.integration import LEAST_FIRST, Foliation, foliate, global_scale, punctured
 from geoweave.isolines import isolines
+from geoweave.linalg import Ordering
 from geoweave.mesh import Similarity, TriMesh
-from geoweave.rescaling import integrating_factor
+from geoweave.rescaling import integrating_factor, vertices_and_faces
 from geoweave.ribbons import Cutting, Ribbons, ribbons
 from geoweave.rosy import smoothest_rosy
 from geoweave.scales import TRIES, nearest_scale
@@ -82,6 +83,7 @@ class WeaveField:
     field : the geodesic field, on half of the cover for even N
     factor : the first integrating factor on what puncturing leaves of that, area mean 1
     frequency : how fast theta will turn at scale 1, area mean, radians / length
+    ordering : of the systems that `foliate` solves, the same at every scale
     seconds : wall-clock seconds of each stage
     """
 
@@ -94,6 +96,7 @@ class WeaveField:
     field: FaceField
     factor: Scalars
     frequency: float
+    ordering: Ordering
     seconds: dict[str, float]
 
     @property
@@ -112,7 +115,7 @@ class WeaveField:
         scale: float | None = None,
         ribbons: int | None = None,
         cutting: Cutting | None = None,
-        time_limit: float = 10.0,
+        time_limit: float = interlacing.TIME_LIMIT,
         tries: int = TRIES,
         callback: Callback | None = None,
     ) -> Weave:
@@ -165,6 +168,7 @@ class WeaveField:
             quantile=1.0,
             smoothness=EVENNESS,
             seed=self.seed,
+            ordering=self.ordering,
         )
         stages.begin("ribbons", more)
         cover, sheets = self.cover, self.families
@@ -244,7 +248,8 @@ def weave_field(
         field = geodesic_field(field, smoothness=schedule).field
     stages.begin("foliation", ": first factor")
     w, _ = punctured(field)
-    factor = integrating_factor(w, smoothness=EVENNESS).s
+    ordering = vertices_and_faces(w.mesh)
+    factor = integrating_factor(w, smoothness=EVENNESS, ordering=ordering).s
     factor = frozen(np.maximum(factor, LEAST_FIRST * float(np.median(factor))))
     turning = global_scale(w, factor) * factor
     stages.begin("")
@@ -258,6 +263,7 @@ def weave_field(
         field,
         factor,
         float(np.average(turning, weights=w.mesh.face_areas)),
+        ordering,
         stages.seconds,
     )
 
@@ -270,7 +276,7 @@ def weave_pattern(
     ribbons: int | None = None,
     seed: int = 0,
     cutting: Cutting | None = None,
-    time_limit: float = 10.0,
+    time_limit: float = interlacing.TIME_LIMIT,
     tries: int = TRIES,
     callback: Callback | None = None,
 ) -> Weave:
@@ -290,7 +296,8 @@ def weave_pattern(
         The weave says its scale, and asking for that scale gives the same weave
     seed : of the RoSy and of the first eigenvector
     cutting : the numbers of the clean-up of the ribbons
-    time_limit : seconds for the proof that no choice of over and under alternates more often
+    time_limit : seconds after which the proof that no choice of over and under alternates more often ends;
+        its effort is counted, so that this strikes on a machine that is very busy only
     tries : how many scales are tried at most for a number of ribbons
     callback : called with the name of each stage as it begins
 
