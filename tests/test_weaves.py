@@ -40,9 +40,9 @@ def test_strips_are_as_wide_and_thick_as_asked() -> None:
 
 def test_over_is_above_under() -> None:
     at, sides = np.array([0.3, 0.7]), np.array([1.0, -1.0])
-    heights = weaves._heights(np.linspace(0, 1, 11), at, sides, 1.0, False)
+    heights = weaves.heights(np.linspace(0, 1, 11), at, sides, 1.0, False)
     np.testing.assert_allclose(heights[[0, 3, 5, 7, 10]], [1, 1, 0, -1, -1], atol=1e-12)
-    round_ = weaves._heights(np.array([0.0, 0.3, 0.7]), at, sides, 1.0, True)
+    round_ = weaves.heights(np.array([0.0, 0.3, 0.7]), at, sides, 1.0, True)
     np.testing.assert_allclose(round_, [0, 1, -1], atol=1e-12)
 
 

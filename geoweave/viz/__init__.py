@@ -29,6 +29,7 @@ from geoweave.viz.layout import gallery
 from geoweave.viz.periodic import Periodic, add_theta, periodic_gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
+from geoweave.viz.rods import Sprung, at_rest, bands, energy_scale, rod_gallery
 from geoweave.viz.scene import Scene, View
 from geoweave.viz.shading import (
     Family,
@@ -78,10 +79,13 @@ __all__ = [
     "Scale",
     "Scene",
     "Shaded",
+    "Sprung",
     "View",
     "Woven",
     "add_theta",
     "alternation_chart",
+    "at_rest",
+    "bands",
     "colouring",
     "convergence_chart",
     "curl_scale",
@@ -90,6 +94,7 @@ __all__ = [
     "deviation_panel",
     "deviation_scale",
     "drop_chart",
+    "energy_scale",
     "face_arrows",
     "factor_scale",
     "family_lines",
@@ -103,6 +108,7 @@ __all__ = [
     "projections",
     "provenance",
     "publish",
+    "rod_gallery",
     "rosy_scene",
     "scattered",
     "shaded_gallery",

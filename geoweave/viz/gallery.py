@@ -194,7 +194,7 @@ def streamline_gallery(
                 caption(figure, (panels[k].title, panels[k].subtitle), middle, top + height, unit, down=57)
                 left += picture.shape[1] + spare
             top += height + below + unit * SIDE
-        _bars(figure, scales, width, total)
+        colour_bars(figure, scales)
     words = alt or "Streamlines on " + ", ".join(panel.title for panel in panels)
     return Picture(figure, words, tuple(each.colormap for each in scales))
 
@@ -253,8 +253,9 @@ def _round_up(value: float) -> float:
     return float(np.ceil(value / step - 1e-9) * step)
 
 
-def _bars(figure: Figure, scales: Sequence[Scale], width: int, height: int) -> None:
+def colour_bars(figure: Figure, scales: Sequence[Scale]) -> None:
     """Draw the colour bars at the bottom, side by side."""
+    width, height = round(figure.bbox.width), round(figure.bbox.height)
     unit, long = width / style.WIDTH, 0.34
     for number, scale in enumerate(scales):
         centre = 0.5 if len(scales) == 1 else 0.27 + 0.46 * number

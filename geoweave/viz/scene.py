@@ -103,12 +103,13 @@ class Scene:
         colormap: Colormap | None = None,
         colour: str = style.SURFACE,
         crease: float = 80.0,
+        opacity: float = 1.0,
     ) -> None:
         """Add the surface, smooth but for creases sharper than ``crease`` degrees.
 
         ``values`` are shown, (F,) one colour a face or (V,) joined over the faces, on the diverging map from
         ``-limit`` to ``limit`` or on the given map between ``limits``; where the value is not a number the
-        surface has the plain ``colour``.
+        surface has the plain ``colour``. With an ``opacity`` below 1 what lies behind it shows through.
         """
         if self._placement is None:
             # The renderer's depths and radii have absolute tolerances: it gets models of one size only.
@@ -126,6 +127,9 @@ class Scene:
             cell_normals=False, split_vertices=True, feature_angle=crease, consistent_normals=False
         )
         look |= {"ambient": 0.30, "diffuse": 0.74, "specular": 0.08, "specular_power": 10.0, "occludes": True}
+        if opacity < 1.0:
+            # A veil casts no shade.
+            look |= {"opacity": opacity, "occludes": False}
         self._actors.append((soup, look))
         self._points.append(placed)
 
@@ -204,12 +208,33 @@ class Scene:
         glyphs = shafts.glyph(orient="vectors", scale="vectors", factor=1.0, geom=arrow)
         self._actors.append((glyphs, {"color": colour, "ambient": 0.45, "diffuse": 0.6}))
 
-    def add_solid(self, points: Vectors, quads: NDArray[np.int64], colour: str) -> None:
-        """Add quadrilaterals (Q, 4) of one colour with sharp edges, such as the outside of ribbons."""
-        solid = pv.PolyData(self._placed().apply(points), np.insert(quads, 0, 4, axis=1).ravel())
+    def add_solid(
+        self,
+        points: Vectors,
+        quads: NDArray[np.int64],
+        colour: str = style.INK,
+        *,
+        values: Scalars | None = None,
+        limits: tuple[float, float] = (0.0, 1.0),
+        colormap: Colormap | None = None,
+        framed: bool = False,
+    ) -> None:
+        """Add quadrilaterals (Q, 4) with sharp edges, such as the outside of ribbons.
+
+        They have one colour, or that of ``values`` (P,) at their points. If ``framed``, the picture makes
+        room for them; if not, they lie on the surface, for which it does.
+        """
+        placed = self._placed().apply(points)
+        solid = pv.PolyData(placed, np.insert(quads, 0, 4, axis=1).ravel())
+        look: dict[str, Any] = {"color": colour}
+        if values is not None:
+            solid.point_data["values"] = values
+            look = {"scalars": "values", "cmap": colormap or style.sequential(), "clim": limits}
         solid = solid.compute_normals(cell_normals=False, split_vertices=True, feature_angle=40.0)
-        look = {"color": colour, "ambient": 0.32, "diffuse": 0.70, "specular": 0.06, "occludes": True}
+        look |= {"ambient": 0.32, "diffuse": 0.70, "specular": 0.06, "occludes": True}
         self._actors.append((solid, look))
+        if framed:
+            self._points.append(placed)
 
     def add_dots(self, points: Vectors, radius: float, colours: Sequence[str]) -> None:
         """Add small balls, one colour each."""

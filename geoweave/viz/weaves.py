@@ -145,24 +145,40 @@ def strips(
         across = _unit(np.cross(up, ahead - behind))
         here = met.curves == c
         sides = np.where(weave.interlacing.over[:, None] == np.arange(2), 1.0, -1.0)[here]
-        height = _heights(s, met.arclength[here], sides, length, closed, 0.6 * wide)
+        height = heights(s, met.arclength[here], sides, length, closed, 0.6 * wide)
         middle = line + 0.55 * thin * height[:, None] * up
-        half, thick = 0.5 * wide * across, 0.5 * thin * up
-        ring = np.stack(
-            [middle - half - thick, middle + half - thick, middle + half + thick, middle - half + thick]
-        )
-        points.append(ring.swapaxes(0, 1).reshape(-1, 3))
-        first = 4 * np.arange(len(s) if closed else len(s) - 1)
-        second = (first + 4) % (4 * len(s))
-        for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)):
-            quads.append(count + np.stack([first + a, second + a, second + b, first + b], axis=1)[:, ::-1])
-        if not closed:
-            last = 4 * (len(s) - 1)
-            quads.append(count + np.array([[3, 2, 1, 0], [last, last + 1, last + 2, last + 3]]))
+        made = strip(middle, 0.5 * wide * across, 0.5 * thin * up, closed)
+        points.append(made.points)
+        quads.append(count + made.quads)
         count += 4 * len(s)
     if not points:
         return Strips(np.zeros((0, 3)), np.zeros((0, 4), dtype=np.int64))
     return Strips(np.concatenate(points), np.concatenate(quads))
+
+
+def strip(middle: Vectors, half: Vectors, thick: Vectors, closed: bool) -> Strips:
+    """Build one solid strip of cross sections with four corners each, closed or with a cap at both ends.
+
+    Parameters
+    ----------
+    middle : (n, 3) middle of each cross section
+    half, thick : (n, 3) from there to the edge of the strip, and to its upper side
+    closed : whether the last section is joined to the first
+    """
+    n = len(middle)
+    ring = np.stack(
+        [middle - half - thick, middle + half - thick, middle + half + thick, middle - half + thick]
+    )
+    first = 4 * np.arange(n if closed else n - 1)
+    second = (first + 4) % (4 * n)
+    quads = [
+        np.stack([first + a, second + a, second + b, first + b], axis=1)[:, ::-1]
+        for a, b in ((0, 1), (1, 2), (2, 3), (3, 0))
+    ]
+    if not closed:
+        last = 4 * (n - 1)
+        quads.append(np.array([[3, 2, 1, 0], [last, last + 1, last + 2, last + 3]]))
+    return Strips(ring.swapaxes(0, 1).reshape(-1, 3), np.concatenate(quads))
 
 
 def weave_scene(
@@ -220,7 +236,7 @@ def weave_gallery(
     )
 
 
-def _heights(
+def heights(
     s: Scalars, at: Scalars, sides: Scalars, length: float, closed: bool, level: float = 0.0
 ) -> Scalars:
     """Height along a ribbon in half thicknesses: +1 over, -1 under, half cosines between.
