@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from geoweave import design, weaving
+from geoweave import design, relaxing, weaving
 from geoweave.errors import GeoweaveError, RenderError
 from geoweave.places import package_version
 from geoweave.terminal import (
@@ -95,6 +95,7 @@ def commands() -> None:
 commands.add_command(design.field)
 commands.add_command(design.foliate)
 commands.add_command(weaving.weave)
+commands.add_command(relaxing.relax)
 
 
 @commands.command()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import ExitStack, suppress
 from dataclasses import replace
 from os import PathLike
@@ -13,10 +13,10 @@ from geoweave.inspection import Inspection, inspected
 from geoweave.output import OutputError, check_writable, replacing
 from geoweave.relaxed import Relaxed
 from geoweave.ribbon_rods import file_of_rods, rods_of_ribbons
-from geoweave.rodfiles import RodFile, write_rods
+from geoweave.rodfiles import RodFile, rod_text
 from geoweave.woven import Weave
 
-__all__ = ["FORMATS", "check_formats", "rod_file", "write_weave"]
+__all__ = ["FORMATS", "check_formats", "rod_file", "write_texts", "write_weave"]
 
 FORMATS = {
     "json": "weave.json and report.json, which are always written",
@@ -93,7 +93,19 @@ def write_weave(
         texts["relaxed.json"] = json.dumps(relaxed.document(), allow_nan=False) + "\n"
         said |= {"relax": relaxed.metrics()}
     texts["report.json"] = json.dumps(said, indent=1, allow_nan=False) + "\n"
-    rods = rod_file(weave) if "rod" in wanted else None
+    if "rod" in wanted:
+        texts["weave.rod"] = rod_text(rod_file(weave))
+    return write_texts(texts, folder)
+
+
+def write_texts(texts: Mapping[str, str], folder: str | PathLike[str]) -> dict[str, Path]:
+    """Write files of text into a folder, all of them or none; returns the path of each by its name.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written there.
+    """
     target = Path(folder)
     new = not target.exists()
     if new:
@@ -103,12 +115,11 @@ def write_weave(
         # Every file is written under a temporary name before the first of them takes its place.
         with ExitStack() as stack:
             for name, text in texts.items():
-                stack.enter_context(replacing(target / name)).write_text(text, encoding="utf-8")
-            if rods is not None:
-                write_rods(stack.enter_context(replacing(target / "weave.rod")), rods)
+                temporary = stack.enter_context(replacing(target / name))
+                temporary.write_text(text, encoding="utf-8", newline="\n")
     except BaseException:
         if new:
             with suppress(OSError):
                 target.rmdir()
         raise
-    return {name: target / name for name in (*texts, *(["weave.rod"] if rods is not None else []))}
+    return {name: target / name for name in texts}

@@ -15,16 +15,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geoweave.arrays import Flags, Scalars, Vectors
+from geoweave.arrays import Flags, Vectors
 from geoweave.departure import Departure, departure, held
 from geoweave.equilibrium import Equilibrium, Step, Stepping
 from geoweave.output import replacing
 from geoweave.relaxation import ROUNDS, Springs, relax, slide
 from geoweave.ribbon_rods import ends_on, rods_of_ribbons
 from geoweave.rods import Rods
+from geoweave.weavefiles import at_rest
 from geoweave.woven import Weave
 
-__all__ = ["Relaxed", "boundary_ends", "relaxed_weave", "rods_of_weave"]
+__all__ = ["Relaxed", "boundary_ends", "relaxed_weave", "rods_of_weave", "vertex_normals"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,43 +86,10 @@ class Relaxed:
 
     def document(self) -> dict[str, Any]:
         """The contents of ``relaxed.json``: arc lengths along ribbons are what a maker measures."""
-        base, rods = self.weave.document(), self.left.rods
-        layout, place, unit = rods.layout, self.weave.placement.undo, self.weave.placement.scale
-        points, normals, along = place(self.departure.points), self._normals(), _arclengths(rods)
-        for ribbon in base["ribbons"]:
-            r = ribbon["id"]
-            own = slice(layout.offsets[r], layout.offsets[r + 1])
-            segments = slice(layout.segment_offsets[r], layout.segment_offsets[r + 1])
-            ribbon["length"] = float(rods.rest[segments].sum() * unit)
-            ribbon["points"], ribbon["normals"] = points[own].tolist(), normals[own].tolist()
-        contacts = rods.contacts
-        assert contacts.group is not None
-        known, first = np.unique(contacts.group, return_index=True)
-        crossings: list[dict[str, Any]] = []
-        for contact, x in sorted(zip(known.tolist(), first.tolist(), strict=True), key=lambda pair: pair[1]):
-            if contact < 0:
-                continue
-            pair, share = contacts.segments[contact], contacts.places[contact]
-            ends = layout.ends[pair]
-            both = points[ends[:, 0]] + share[:, None] * (points[ends[:, 1]] - points[ends[:, 0]])
-            cosine = abs(float(rods.tangents[pair[0]] @ rods.tangents[pair[1]]))
-            ribbons = layout.rod_of_segment[pair].tolist()
-            over = int(contacts.over[contact])
-            crossings.append(
-                base["crossings"][x]
-                | {
-                    "id": len(crossings),
-                    "ribbons": ribbons,
-                    "arclength": ((along[pair] + share * rods.rest[pair]) * unit).tolist(),
-                    "point": both.mean(axis=0).tolist(),
-                    "angle_deg": float(np.degrees(np.arccos(min(cosine, 1.0)))),
-                    "over": ribbons[over],
-                    "over_index": over,
-                }
-            )
-        base["crossings"] = crossings
-        base["metrics"] |= {"relax": self.metrics()}
-        return base
+        rods, placement = self.left.rods, self.weave.placement
+        points = placement.undo(self.departure.points)
+        found = at_rest(self.weave.document(), rods, points, self._normals(), placement.scale)
+        return found | {"metrics": found["metrics"] | {"relax": self.metrics()}}
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write ``relaxed.json``, whole or not at all."""
@@ -132,14 +100,18 @@ class Relaxed:
     def _normals(self) -> Vectors:
         """(V, 3) unit thickness directions at the vertices, turned with the rigid fit."""
         rods = self.left.rods
-        sums = np.zeros_like(rods.points)
-        for end in (0, 1):
-            np.add.at(sums, rods.layout.ends[:, end], rods.directors)
         # The fit is rigid, so it takes centred vertices to centred vertices.
         here, there = rods.points - rods.points.mean(axis=0), self.departure.points
         u, _, v = np.linalg.svd(here.T @ (there - there.mean(axis=0)))
-        turned = sums @ (u @ v)
-        return np.asarray(turned / np.linalg.norm(turned, axis=1)[:, None])
+        return np.asarray(vertex_normals(rods) @ (u @ v))
+
+
+def vertex_normals(rods: Rods) -> Vectors:
+    """(V, 3) unit thickness directions at the vertices, the mean of those of their segments."""
+    sums = np.zeros_like(rods.points)
+    for end in (0, 1):
+        np.add.at(sums, rods.layout.ends[:, end], rods.directors)
+    return np.asarray(sums / np.linalg.norm(sums, axis=1)[:, None])
 
 
 def rods_of_weave(weave: Weave) -> Rods:
@@ -208,9 +180,3 @@ def relaxed_weave(
     away = departure(left.rods, start, weave.mesh)
     seconds = {"slide": between - clock, "relax": after - between, "departure": time.perf_counter() - after}
     return Relaxed(weave, rods, slid, left, away, seconds)
-
-
-def _arclengths(rods: Rods) -> Scalars:
-    """(S,) rest length from the start of its rod to the start of each segment."""
-    before = np.cumsum(rods.rest) - rods.rest
-    return np.asarray(before - before[rods.layout.segment_offsets[:-1]][rods.layout.rod_of_segment])

@@ -25,7 +25,17 @@ from geoweave.errors import GeoweaveError
 from geoweave.interlacing import Crossings
 from geoweave.output import replacing
 
-__all__ = ["MAGIC", "NEWEST", "Rod", "RodCrossing", "RodError", "RodFile", "read_rods", "write_rods"]
+__all__ = [
+    "MAGIC",
+    "NEWEST",
+    "Rod",
+    "RodCrossing",
+    "RodError",
+    "RodFile",
+    "read_rods",
+    "rod_text",
+    "write_rods",
+]
 
 MAGIC = -217
 """The first number of a file of version 1 or later."""
@@ -342,14 +352,8 @@ def _parsed_rod(words: _Words, version: int, name: str) -> Rod:
     return Rod(centerline, directors, widths, closed, angles, visible, color, colors.astype(np.int64))
 
 
-def write_rods(path: str | PathLike[str], content: RodFile) -> None:
-    """Write a .rod file of the newest version, whole or not at all, with every digit.
-
-    Raises
-    ------
-    OutputError
-        If it cannot be written there.
-    """
+def rod_text(content: RodFile) -> str:
+    """Return the text of a .rod file of the newest version, with every digit."""
     lines = [str(MAGIC), str(NEWEST), str(len(content.rods)), str(len(content.crossings))]
     lines += [_joined([value]) for value in (content.thickness, content.young, content.density)]
     for rod in content.rods:
@@ -361,8 +365,19 @@ def write_rods(path: str | PathLike[str], content: RodFile) -> None:
     for one in content.crossings:
         indices = (*one.rods, *one.segments)
         lines.append(" ".join([*map(str, indices), _joined([*one.places, one.stiffness])]))
+    return "\n".join(lines) + "\n"
+
+
+def write_rods(path: str | PathLike[str], content: RodFile) -> None:
+    """Write a .rod file of the newest version, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written there.
+    """
     with replacing(path) as temporary:
-        temporary.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
+        temporary.write_text(rod_text(content), encoding="ascii", newline="\n")
 
 
 def _joined(values: Iterable[float]) -> str:

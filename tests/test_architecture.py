@@ -67,7 +67,7 @@ LAYERS = (
         "rods",
         {"departure", "equilibrium", "relaxation", "ribbon_rods", "rod_energies", "rod_matrix", "rods"},
     ),
-    ("the pipeline", {"inspection", "outputs", "weave", "woven"}),
+    ("the pipeline", {"inspection", "outputs", "relaxed", "weave", "weavefiles", "woven"}),
     (
         "fabrication",
         {
@@ -90,7 +90,7 @@ LAYERS = (
     ),
     ("models of the figures", {"models"}),
     ("the artifact", {"claims", "doctor", "execution", "notebooks", "progress", "runner"}),
-    ("the command", {"__main__", "cli", "design", "terminal", "weaving"}),
+    ("the command", {"__main__", "cli", "design", "relaxing", "terminal", "weaving"}),
 )
 LEVEL = {name: level for level, (_, modules) in enumerate(LAYERS) for name in modules}
 ARTIFACT = next(level for level, (title, _) in enumerate(LAYERS) if title == "the artifact")

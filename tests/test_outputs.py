@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoweave import outputs, shapes
+from geoweave import shapes
 from geoweave.interlacing import Crossings
 from geoweave.output import OutputError
 from geoweave.outputs import FORMATS, check_formats, rod_file, write_weave
@@ -58,12 +58,16 @@ def test_rods_are_the_ribbons_in_the_unit_of_the_weave(tmp_path: Path) -> None:
 
 
 def test_nothing_is_left_where_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
+    write = Path.write_text
+
+    def full(path: Path, *text: str, **options: str) -> int:
+        if text[0].startswith("-217"):
+            raise OSError(28, "No space left on device")
+        return write(path, *text, **options)
 
     old = write_weave(pattern(), tmp_path / "old")
     before = {name: path.read_bytes() for name, path in old.items()}
-    monkeypatch.setattr(outputs, "write_rods", full)
+    monkeypatch.setattr(Path, "write_text", full)
     for folder in ("old", "new"):
         with pytest.raises(OutputError, match=r"weave.rod: cannot be written .No space left"):
             write_weave(pattern().sized(100.0), tmp_path / folder, ["rod"])

@@ -1,0 +1,121 @@
+"""The command that relaxes a weave made before: ``geoweave relax``."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from geoweave.terminal import as_json, new_folder, print_json, print_table, status, timed
+
+if TYPE_CHECKING:
+    from geoweave.equilibrium import Equilibrium
+    from geoweave.rods import Rods
+
+
+@click.command()
+@click.argument("file", metavar="FILE", type=click.Path(exists=True, dir_okay=False))
+@click.option(
+    "-o", "output", metavar="DIR", required=True, help="Folder for the results; made if it is not there."
+)
+@as_json
+def relax(file: str, output: str, as_json: bool) -> None:
+    """Relax a weave.json of geoweave, or a .rod file of RibbonSim, to the shape that it takes."""
+    from geoweave import relaxation
+    from geoweave.outputs import write_texts
+    from geoweave.relaxed import vertex_normals
+    from geoweave.ribbon_rods import file_of_rods, rods_of_file
+    from geoweave.rodfiles import read_rods, rod_text
+    from geoweave.weavefiles import at_rest, read_weave, rods_of_document
+
+    folder = new_folder(output)
+    seconds: dict[str, float] = {}
+    document = None
+    with status() as say:
+        with timed(seconds, "read"):
+            if Path(file).suffix.lower() == ".rod":
+                start, unit = rods_of_file(read_rods(file)), 1.0
+            else:
+                document = read_weave(file)
+                content, over, center, unit = rods_of_document(document, Path(file).name)
+                start = rods_of_file(content, over)
+        with timed(seconds, "relax"):
+            found = relaxation.relax(
+                start,
+                callback=lambda step: say(
+                    f"relaxing: step {step.number}, forces balance to {step.gradient:.1g}"
+                ),
+            )
+        result = _result(start, found, unit)
+        with timed(seconds, "write"):
+            if document is None:
+                name, text = "relaxed.rod", rod_text(file_of_rods(found.rods))
+            else:
+                points, normals = found.rods.points * unit + center, vertex_normals(found.rods)
+                rested = at_rest(document, found.rods, points, normals, unit)
+                rested["metrics"] = rested["metrics"] | {"relax": result}
+                name, text = "relaxed.json", json.dumps(rested, allow_nan=False) + "\n"
+            report = json.dumps({"file": Path(file).name, "relax": result}, indent=1, allow_nan=False) + "\n"
+            files = write_texts({name: text, "report.json": report}, folder)
+    seconds["total"] = sum(seconds.values())
+    if as_json:
+        print_json(
+            {
+                "file": file,
+                "rods": len(found.rods),
+                "contacts": len(found.rods.contacts),
+                **result,
+                "seconds": {key: round(value, 4) for key, value in seconds.items()},
+                "files": [str(path) for path in files.values()],
+            }
+        )
+        return
+    moved = result["from_start"]
+    print_table(
+        file,
+        [
+            ("rods", f"{len(found.rods):,}"),
+            ("contacts", f"{len(found.rods.contacts):,}"),
+            (
+                "at rest",
+                f"{'yes' if found.converged else 'no'}, after {result['steps']} steps: {found.ending}",
+            ),
+            ("elastic energy", f"{result['elastic_before']:.4g} -> {result['elastic_after']:.4g}"),
+            ("moved", f"{moved['mean']:.2%} of the diagonal in the mean, at most {moved['largest']:.2%}"),
+            ("seconds", ", ".join(f"{key} {value:.2f}" for key, value in seconds.items())),
+            ("written to", ", ".join(str(path) for path in files.values())),
+        ],
+    )
+
+
+def _yes(holds: bool) -> str:
+    return "yes" if holds else "no"
+
+
+def _result(start: Rods, found: Equilibrium, unit: float) -> dict[str, Any]:
+    """Say how far the rods moved, as shares of the bounding diagonal at the start, and what energy is left."""
+    import numpy as np
+
+    from geoweave.departure import fitted, vertex_weights
+
+    moved = np.linalg.norm(fitted(found.rods, start) - start.points, axis=1)
+    diagonal = float(np.linalg.norm(np.ptp(start.points, axis=0)))
+    before, after = found.steps[0], found.steps[-1]
+    elastic = ("stretching", "normal curvature", "geodesic curvature", "twist")
+    return {
+        "converged": found.converged,
+        "ending": found.ending,
+        "steps": len(found.steps) - 1,
+        "energy_before": before.energy,
+        "energy_after": after.energy,
+        "elastic_before": sum(before.energies[name] for name in elastic),
+        "elastic_after": sum(after.energies[name] for name in elastic),
+        "energies_after": after.energies,
+        "from_start": {
+            "mean": float(np.average(moved, weights=vertex_weights(start))) / diagonal,
+            "largest": float(moved.max()) / diagonal,
+        },
+        "diagonal": diagonal * unit,
+    }

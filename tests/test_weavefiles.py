@@ -1,0 +1,95 @@
+"""A weave.json is read back as the same rods, and what is wrong with one is said in one sentence."""
+
+from __future__ import annotations
+
+import copy
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geoweave import shapes
+from geoweave.relaxed import rods_of_weave
+from geoweave.ribbon_rods import rods_of_file
+from geoweave.weave import weave_pattern
+from geoweave.weavefiles import WeaveFileError, at_rest, read_weave, rods_of_document
+from geoweave.woven import Weave
+
+
+@cache
+def weave() -> Weave:
+    return weave_pattern(shapes.sphere(600), ribbons=10).sized(80.0)
+
+
+def document() -> dict[str, Any]:
+    return copy.deepcopy(weave().document())
+
+
+def test_rods_read_back_are_those_of_the_weave(tmp_path: Path) -> None:
+    weave().save(tmp_path / "weave.json")
+    content, over, center, scale = rods_of_document(read_weave(tmp_path / "weave.json"))
+    back, made = rods_of_file(content, over), rods_of_weave(weave())
+    assert len(back) == len(made)
+    np.testing.assert_array_equal(back.layout.closed, made.layout.closed)
+    np.testing.assert_array_equal(back.layout.offsets, made.layout.offsets)
+    unit = weave().placement.scale
+    here, there = back.points * scale + center, weave().placement.undo(made.points)
+    np.testing.assert_allclose(here, there, atol=1e-6 * scale)
+    np.testing.assert_allclose(back.widths * scale, made.widths * unit)
+    assert back.material.thickness * scale == pytest.approx(made.material.thickness * unit)
+    assert (np.einsum("ij,ij->i", back.directors, made.directors) > 0.9).all()
+    assert abs(len(back.contacts) - len(made.contacts)) <= 2
+
+
+def test_a_weave_that_did_not_move_is_the_same_weave() -> None:
+    content, over, center, scale = rods_of_document(document())
+    rods = rods_of_file(content, over)
+    rested = at_rest(document(), rods, rods.points * scale + center, np.zeros_like(rods.points), scale)
+    before = document()
+    assert [each["label"] for each in rested["ribbons"]] == [each["label"] for each in before["ribbons"]]
+    for now, then in zip(rested["ribbons"], before["ribbons"], strict=True):
+        assert now["length"] == pytest.approx(then["length"], rel=0.02)  # chords
+    points = np.array([each["point"] for each in before["crossings"]])
+    for crossing in rested["crossings"]:
+        away = np.linalg.norm(points - crossing["point"], axis=1)
+        then = before["crossings"][int(np.argmin(away))]
+        assert away.min() < 0.02 * 80.0
+        assert sorted(crossing["ribbons"]) == sorted(then["ribbons"])
+        assert crossing["over"] == then["over"]
+
+
+def test_what_is_no_weave_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "x.json"
+    for text, words in (
+        ("{", "x.json: is not JSON"),
+        ("[]", "x.json: is not a weave"),
+        ('{"format": "geoweave-pattern"}', "x.json: is not a weave"),
+        ('{"format": "geoweave-weave", "version": 9}', "version 9"),
+    ):
+        path.write_text(text)
+        with pytest.raises(WeaveFileError, match=words):
+            read_weave(path)
+    with pytest.raises(WeaveFileError, match=r"y.json: cannot be read"):
+        read_weave(tmp_path / "y.json")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda d: d.pop("width"), "its head: lacks 'width'"),
+        (lambda d: d["ribbons"][2].pop("normals"), "ribbon 2: lacks 'normals'"),
+        (lambda d: d["ribbons"][1].update(points=[[0, 0]]), "ribbon|dimensions"),
+        (lambda d: d["crossings"][3].update(arclength=[1e6, 0]), "crossing 3: arc length 1e"),
+        (lambda d: d["crossings"][0].update(ribbons=[0, 999]), "crossing 0"),
+        (lambda d: d.update(thickness=0), "the weave: the thickness is 0"),
+    ],
+)
+def test_a_slip_is_named(change: Any, words: str) -> None:
+    wrong = json.loads(json.dumps(document()))
+    change(wrong)
+    with pytest.raises(WeaveFileError, match=words) as caught:
+        rods_of_document(wrong, "mine.json")
+    assert str(caught.value).startswith("mine.json: ")
