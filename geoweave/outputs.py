@@ -25,8 +25,8 @@ FORMATS = {
 """What a weave can be written as."""
 
 
-def check_formats(names: Iterable[str]) -> tuple[str, ...]:
-    """Return the formats of these names, each once, in the order of `FORMATS`.
+def check_formats(names: Iterable[str], others: Iterable[str] = ()) -> tuple[str, ...]:
+    """Return the formats of these names, each once, in the order of `FORMATS`; a refusal lists others too.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def check_formats(names: Iterable[str]) -> tuple[str, ...]:
     for name in asked:
         if name not in FORMATS:
             raise OutputError(
-                f"there is no format '{name}' for a weave; the formats are {', '.join(FORMATS)}"
+                f"there is no format '{name}' for a weave; the formats are {', '.join([*FORMATS, *others])}"
             )
     return tuple(name for name in FORMATS if name in asked)
 

@@ -95,7 +95,7 @@ def _yes(holds: bool) -> str:
 
 
 def _result(start: Rods, found: Equilibrium, unit: float) -> dict[str, Any]:
-    """Say how far the rods moved, as shares of the bounding diagonal at the start, and what energy is left."""
+    """Say how far the rods moved, in bounding diagonals at the start, and what energy is left."""
     import numpy as np
 
     from geoweave.departure import fitted, vertex_weights

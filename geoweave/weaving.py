@@ -48,7 +48,11 @@ if TYPE_CHECKING:
 )
 @click.option("--thickness", type=Positive(), help="Thickness of a ribbon (a twentieth of the width).")
 @click.option(
-    "--formats", default="json", metavar="json,rod", help="What to write, apart by commas; json always is."
+    "--formats",
+    default="json",
+    metavar="json,rod,svg,pdf",
+    help="What to write, apart by commas: json (always), rod, pattern, csv, svg, dxf, pdf, glb; those from "
+    "pattern on need --size.",
 )
 @click.option(
     "--no-relax", is_flag=True, help="Stop before physics: nothing slides, and relaxed.json is not written."
@@ -70,13 +74,19 @@ def weave(
     """Design a weave: ribbons along geodesics, their crossings, over and under."""
     if ribbons is not None and scale is not None:
         raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
+    from geoweave import fabrication
     from geoweave.inspection import inspected
     from geoweave.outputs import check_formats, write_weave
+    from geoweave.pattern import pattern_of
     from geoweave.prepare import evened
     from geoweave.relaxed import relaxed_weave
     from geoweave.weave import weave_pattern
 
-    wanted = check_formats(formats.split(","))
+    asked = [name.strip().lower() for name in formats.split(",")]
+    cut = fabrication.check_formats(name for name in asked if name in fabrication.FORMATS)
+    wanted = check_formats((name for name in asked if name not in fabrication.FORMATS), fabrication.FORMATS)
+    if cut and size is None:
+        raise click.UsageError(f"a pattern ({', '.join(cut)}) is in mm; give the object a --size")
     folder = new_folder(output)
     seconds: dict[str, float] = {}
     with status() as say, about(surface.name):
@@ -101,7 +111,11 @@ def weave(
             rest = relaxed_weave(pattern, callback=lambda stage, step: say(_progress(stage, step)))
             seconds |= rest.seconds
         with timed(seconds, "write"):
+            # A pattern is cut to the lengths at rest; it is laid out before anything is written.
+            strips = pattern_of(pattern if rest is None else rest.document()) if cut else None
             files = write_weave(pattern, folder, wanted, report, rest)
+            if strips is not None:
+                files |= fabrication.write(strips, folder, cut, weave=pattern)
     seconds["total"] = sum(seconds.values())
     result = {
         "mesh": surface.name,
