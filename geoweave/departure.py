@@ -58,10 +58,9 @@ class Departure:
 def vertex_weights(rods: Rods) -> Scalars:
     """(V,) rest length that belongs to each vertex, half of each segment it ends."""
     ends = rods.layout.ends
-    weights = np.bincount(ends.ravel(), np.repeat(0.5 * rods.rest, 2), minlength=rods.layout.vertices).astype(
+    return np.bincount(ends.ravel(), np.repeat(0.5 * rods.rest, 2), minlength=rods.layout.vertices).astype(
         np.float64
     )
-    return weights
 
 
 def held(rods: Rods) -> Flags:
