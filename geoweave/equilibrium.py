@@ -262,7 +262,7 @@ class _Problem:
         if solve is None:
             return None
         step = self.step(rods, gradient, solve, memory, numbers.turn)
-        found = None if step is None else self.search(rods, now, gradient, step, solve, numbers)
+        found = None if step is None else self.search(rods, now, gradient, step, numbers)
         return None if found is None or step is None else (*found, found[2] * step)
 
     def step(
@@ -299,13 +299,9 @@ class _Problem:
         return step * min(1.0, turn / largest) if largest > 0 else step
 
     def search(
-        self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, solve: Solve, numbers: Stepping
+        self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, numbers: Stepping
     ) -> tuple[Rods, dict[str, float], float] | None:
-        """Halve the step until the energy falls enough, if need be after a correction.
-
-        A straight step leaves the curved valley in which stiff contacts hold; the same matrix takes it back
-        there for the price of a gradient, where halving would have to creep along (second-order correction).
-        """
+        """Halve the step until the energy falls enough."""
         slope = float(gradient @ step)
         if not slope < 0:
             return None
@@ -321,15 +317,6 @@ class _Problem:
             energy = sum(energies.values())
             if energy <= now.energy + numbers.sufficient * share * slope:
                 return trial, energies, share
-            mended = self.step(trial, self.forces(trial)[0], solve, (), numbers.turn)
-            if mended is not None:
-                try:
-                    second = trial.stepped(mended)
-                except RodError:
-                    second = trial
-                again = self.energies(second)
-                if sum(again.values()) <= now.energy + numbers.sufficient * share * slope:
-                    return second, again, share
             # Where the energy can no longer tell the two apart, the forces can.
             level = -share * slope < 1e3 * rounding and energy <= now.energy + rounding
             if level and self.forces(trial)[2] < now.gradient:

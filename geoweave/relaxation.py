@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
-from geoweave.closest import closest_points, triangle_tree
+from geoweave.closest import BoxTree, closest_points, triangle_tree
 from geoweave.equilibrium import Equilibrium, Step, Stepping, minimized
 from geoweave.mesh import TriMesh
 from geoweave.rod_energies import (
@@ -57,7 +57,10 @@ class Springs:
 ROUNDS = 5
 """Rounds of sliding, each of one minimisation and one projection."""
 
-ROUGHLY = 1e-3
+SLID = 1e-3
+"""Default tolerance of sliding, whose result is a start and no prediction."""
+
+ROUGHLY = 1e-2
 """Forces balance to this share in all rounds of sliding but the last, which takes the tolerance asked for."""
 
 STILL = 1e-3
@@ -80,9 +83,14 @@ def slide(
     """Let ribbons slide on a surface to release elastic strain (E.1).
 
     Each round minimises the elastic energy and that of springs between vertices and anchors, then projects
-    the vertices on the surface to get new anchors. Contacts do not act, ribbons slide over each other; their
-    new places are found at the end. Sliding on and on would let open ribbons drift to where the surface is
-    flat, which is why the number of rounds is a parameter.
+    the vertices on the surface to get new anchors. Ribbons slide over each other, and the new places of their
+    contacts are found after each round. Sliding on and on would let open ribbons drift to where the surface
+    is flat, which is why the number of rounds is a parameter.
+
+    Two things the paper does not say (DEVIATIONS). The first and the last contact of an open ribbon hold, or
+    its ends would slip off the ribbons on which they end. And sections turn freely while ribbons slide, some
+    of them onto their edge; at the end they are laid flush on the surface again, so that relaxing begins
+    with every ribbon's outside out.
 
     Parameters
     ----------
@@ -90,7 +98,7 @@ def slide(
     surface : in the same place and size
     springs : stiffnesses
     rounds : no more rounds than this
-    stepping : numbers of each minimisation
+    stepping : numbers of each minimisation; a tolerance of 1e-3 if not given
     fixed : (V,) vertices that do not move
     callback : called with every `Step` of every round
 
@@ -113,16 +121,18 @@ def slide(
     current = rods
     steps: list[Step] = []
     anchors, faces = closest_points(tree, rods.points)
-    numbers = stepping or Stepping()
+    numbers = stepping or Stepping(tolerance=SLID)
     rough = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY))
     left = rounds
     while left:
         left -= 1
         normals = surface.face_normals[faces]
         spring = sliding(rods.layout, anchors, normals, stiff.normal, stiff.tangential)
+        ends = replace(current, contacts=_at_ends(current))
+        holding = (contact_position(ends, stiff.position, 0.0),) if len(ends.contacts) else ()
         found = minimized(
             current,
-            (*elastic, spring),
+            (*elastic, spring, *holding),
             stepping=rough if left else numbers,
             fixed=held,
             anchored=True,
@@ -130,12 +140,37 @@ def slide(
         )
         steps.extend(found.steps)
         moved = np.linalg.norm(found.rods.points - current.points, axis=1).max()
-        current = found.rods
+        current = replace(found.rods, contacts=replaced_contacts(found.rods))
         anchors, faces = closest_points(tree, current.points)
         if moved <= STILL * float(current.rest.mean()):
             left = min(left, 1)
-    placed = replace(current, contacts=replaced_contacts(current))
-    return Equilibrium(placed, found.converged, tuple(steps), found.ending)
+    return Equilibrium(_laid(current, surface, tree), found.converged, tuple(steps), found.ending)
+
+
+def _laid(rods: Rods, surface: TriMesh, tree: BoxTree) -> Rods:
+    """Turn thickness directions to the surface's normals below their segments."""
+    middle = rods.points[rods.layout.ends].mean(axis=1)
+    normals = surface.face_normals[closest_points(tree, middle)[1]]
+    aside = normals - (normals * rods.tangents).sum(axis=1)[:, None] * rods.tangents
+    size = np.linalg.norm(aside, axis=1)[:, None]
+    # a segment that stands on the surface keeps its direction
+    directors = np.where(size > 0.1, aside / np.maximum(size, 0.1), rods.directors)
+    return replace(rods, directors=directors, twists=None)
+
+
+def _at_ends(rods: Rods) -> Contacts:
+    """First and last contact of each open rod."""
+    layout, contacts = rods.layout, rods.contacts
+    rod = layout.rod_of_segment[contacts.segments]
+    place = (contacts.segments + contacts.places).ravel()
+    order = np.lexsort((place, rod.ravel()))
+    ranked = rod.ravel()[order]
+    begins = np.flatnonzero(np.diff(ranked, prepend=-1))
+    ends = np.append(begins[1:], len(ranked)) - 1 if len(ranked) else begins
+    outermost = order[np.concatenate([begins, ends])]
+    outermost = outermost[~layout.closed[rod.ravel()[outermost]]]
+    kept = np.unique(outermost // 2)
+    return Contacts(contacts.segments[kept], contacts.places[kept], contacts.over[kept])
 
 
 def replaced_contacts(rods: Rods) -> Contacts:

@@ -282,9 +282,9 @@ def _agreeing(layout: Layout, tangents: Vectors, directors: Vectors, contacts: C
     a, b = layout.joints.T
     inner = b > a
     same = (carried(tangents[a], tangents[b], directors[a]) * directors[b]).sum(axis=1) >= 0
-    sign: Scalars = np.ones(layout.segments)
+    sign = np.ones(layout.segments)
     sign[b[inner]] = np.where(same[inner], 1.0, -1.0)
-    sign = np.cumprod(sign)
+    sign = np.cumprod(sign).astype(np.float64)
     first = sign[layout.segment_offsets[:-1]]
     directors = (sign * first[layout.rod_of_segment])[:, None] * directors
     one, two = contacts.segments.T

@@ -222,14 +222,16 @@ OWN = (np.array([0, 1, 2, 3, 4, 5, 12]), np.array([6, 7, 8, 9, 10, 11, 13]))
 """Columns of a contact's unknowns that belong to its first and to its second segment."""
 
 
-def contact_position(rods: Rods, stiffness: float) -> Term:
+def contact_position(rods: Rods, stiffness: float, apart: float | None = None) -> Term:
     """Return the energy that holds crossing centrelines a thickness apart (E.2), with g = ``stiffness``.
 
     ``g (|c_a + e h tau_a - c_b|^2 + |c_b - e h tau_b - c_a|^2)``, with e = 1 where b lies above a and -1
-    where it lies below.
+    where it lies below. ``apart`` takes the place of the thickness h.
     """
     pair, places = rods.contacts.segments, rods.contacts.places
-    side = np.where(rods.contacts.over == 1, 1.0, -1.0) * rods.material.thickness
+    side = np.where(rods.contacts.over == 1, 1.0, -1.0) * (
+        rods.material.thickness if apart is None else apart
+    )
     # tau_b may point the other way than tau_a, on rods whose sides cannot agree
     side = np.stack([side, side * _agreement(rods)], axis=1)
     weight = np.sqrt(2.0 * stiffness)

@@ -53,7 +53,7 @@ def test_three_rings_relax_and_hold_their_shape():
     assert found.gradient <= 1e-6
     assert found.steps == tuple(seen)
     energies = np.array([step.energy for step in found.steps])
-    assert (np.diff(energies) < 0).all()
+    assert (np.diff(energies) < 1e-12 * energies[0]).all()
     shifted = np.linalg.norm(fitted(found.rods, rods) - rods.points, axis=1)
     assert shifted.max() < 0.05 * 2 * np.sqrt(3)
     # what holds it: in each contact the ribbons lie flush
@@ -98,14 +98,15 @@ def test_a_standing_weave_sinks_under_its_weight_and_its_feet_stay():
     rods = three_great_circles()
     feet = rods.points[:, 2] < -0.98
     still = relax(rods, fixed=feet)
-    heavy = replace(rods, material=replace(THIN, density=1e2))
+    heavy = replace(rods, material=replace(THIN, density=2e-2))
     found = relax(heavy, fixed=feet, gravity=[0, 0, -1.0])
     assert still.converged
     assert found.converged
     np.testing.assert_array_equal(found.rods.points[feet], rods.points[feet])
     masses = vertex_masses(heavy)
-    assert masses.sum() == pytest.approx(1e2 * 0.002 * 0.04 * rods.rest.sum())
-    assert masses @ found.rods.points[:, 2] < masses @ still.rods.points[:, 2] - 1e-6
+    assert masses.sum() == pytest.approx(2e-2 * 0.002 * 0.04 * rods.rest.sum())
+    height = masses / masses.sum() @ (still.rods.points - found.rods.points)[:, 2]
+    assert height > 1e-4
 
 
 def test_fixed_vertices_are_flags():
