@@ -1,4 +1,4 @@
-"""A weave left to physics: slid on its surface, then relaxed to the shape it will take (Section 5.2, E).
+"""From ``weave.json`` to rods, and from relaxed rods to ``relaxed.json`` of the same format (Appendix E)."""
 
 The file ``relaxed.json`` is that of ``weave.json`` with the ribbons where they come to rest.
 """

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
+from scipy.spatial import KDTree
 
 from geoweave import interlacing
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
@@ -23,7 +24,7 @@ from geoweave.ribbons import Ribbons
 from geoweave.rodfiles import Rod, RodCrossing, RodError, RodFile
 from geoweave.rods import Contacts, Layout, Material, Rods, carried
 
-__all__ = ["FINENESS", "file_of_rods", "rods_of_file", "rods_of_ribbons"]
+__all__ = ["FINENESS", "ends_on", "file_of_rods", "rods_of_file", "rods_of_polylines", "rods_of_ribbons"]
 
 FINENESS = 0.2
 """Length of a segment as a share of the spacing of the ribbons: about three between two crossings."""
@@ -78,16 +79,51 @@ def rods_of_ribbons(
             raise RodError(f"the {name} of the rods is {value:g}; give a positive number")
     material = Material(thickness, young, poisson, density)
     curves, met = ribbons.curves, ribbons.crossings
+    bounds = list(zip(curves.offsets[:-1], curves.offsets[1:], strict=True))
+    return rods_of_polylines(
+        [curves.points[start:end] for start, end in bounds],
+        [curves.normals[start:end] for start, end in bounds],
+        # Every crossing keeps a ribbon number and an arclength, which is all that contacts are made of.
+        Crossings(met.curves, met.arclength, curves.closed),
+        np.asarray(over, dtype=np.int64),
+        width,
+        material,
+        size,
+    )
+
+
+def rods_of_polylines(
+    lines: Sequence[Vectors],
+    normals: Sequence[Vectors],
+    crossings: Crossings,
+    over: Indices,
+    width: float,
+    material: Material,
+    size: float,
+) -> Rods:
+    """Make elastic rods of lines on a surface, cut into equal segments of about a given size.
+
+    Parameters
+    ----------
+    lines : (n, 3) points of each ribbon; a closed one does not repeat its first
+    normals : (n, 3) normal of the surface on the piece from each point to the next
+    crossings : of the ribbons, by arclength, and whether they are closed
+    over : (C,) 0 or 1: which of the two lies above
+    width, material : of the section
+    size : length of a segment
+
+    Raises
+    ------
+    RodError
+        If a ribbon is too short for a segment, or the sides are not zeros and ones.
+    """
     chains = []
-    for c in range(len(curves)):
-        own = slice(curves.offsets[c], curves.offsets[c + 1])
-        points, normals, closed = curves.points[own], curves.normals[own], bool(curves.closed[c])
-        if closed:
-            points, normals = np.concatenate([points, points[:1]]), np.concatenate([normals, normals[:1]])
-        chains.append(_resampled(points, normals, closed, size, width, c))
-    # Every crossing keeps a ribbon number and an arclength, which is all that contacts are made of.
-    crossings = Crossings(met.curves, met.arclength, curves.closed)
-    return _joined(chains, crossings, np.asarray(over, dtype=np.int64), material, width)
+    for number, (line, normal) in enumerate(zip(lines, normals, strict=True)):
+        closed = bool(crossings.closed[number])
+        points = np.concatenate([line, line[:1]]) if closed else line
+        facing = np.concatenate([normal, normal[:1]]) if closed else normal
+        chains.append(_resampled(points, facing, closed, size, width, number))
+    return _joined(chains, crossings, over, material, width)
 
 
 def _resampled(
@@ -332,8 +368,6 @@ def file_of_rods(rods: Rods) -> RodFile:
 
 def ends_on(rods: Rods, near: Vectors, within: float) -> Flags:
     """(V,) first and last vertices of open rods that lie within a distance of points (N, 3)."""
-    from scipy.spatial import KDTree
-
     flags = np.zeros(rods.layout.vertices, dtype=bool)
     open_rods = ~rods.layout.closed
     ends = np.concatenate([rods.layout.offsets[:-1][open_rods], rods.layout.offsets[1:][open_rods] - 1])

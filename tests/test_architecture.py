@@ -65,7 +65,16 @@ LAYERS = (
     ("weaves", {"interlacing", "parity", "ribbons", "rodfiles", "scales", "validity"}),
     (
         "rods",
-        {"departure", "equilibrium", "relaxation", "ribbon_rods", "rod_energies", "rod_matrix", "rods"},
+        {
+            "departure",
+            "equilibrium",
+            "relaxation",
+            "relaxed",
+            "ribbon_rods",
+            "rod_energies",
+            "rod_matrix",
+            "rods",
+        },
     ),
     ("the pipeline", {"inspection", "outputs", "relaxed", "weave", "weavefiles", "woven"}),
     (
