@@ -1,4 +1,4 @@
-"""From ``weave.json`` to rods, and from relaxed rods to ``relaxed.json`` of the same format (Appendix E)."""
+"""A weave left to physics: slid on its surface, then relaxed to the shape it will take (Section 5.2, E).
 
 The file ``relaxed.json`` is that of ``weave.json`` with the ribbons where they come to rest.
 """
