@@ -69,7 +69,6 @@ LAYERS = (
             "departure",
             "equilibrium",
             "relaxation",
-            "relaxed",
             "ribbon_rods",
             "rod_energies",
             "rod_matrix",
