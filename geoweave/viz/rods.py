@@ -52,7 +52,7 @@ class Sprung:
     values : (S,) value of each segment, shown by the scale of the gallery in place of hues
     lifted : whether the rods still lie on the surface, so that the drawing has to part them where they
         cross; rods at rest are a thickness apart as they are
-    opacity : of the target; at 1 it is drawn below the rods, at 0 not at all
+    opacity : of the target; it is drawn a little below the rods, at 0 not at all
     focus : a place and the radius round it that is to be seen; all of it if None
     """
 
@@ -76,14 +76,14 @@ class Sprung:
             If there are values but no scale to show them by.
         """
         scene = Scene(VIEWS[self.view] if isinstance(self.view, str) else self.view, focus=self.focus)
+        # Flat strips cut a little into a surface that curves away from them; a veil would flicker with them.
+        depth = (4.0 if self.opacity >= 1.0 else 2.0) * self.rods.material.thickness
+        sunk = TriMesh(self.target.vertices - depth * self.target.vertex_normals, self.target.faces)
         if self.opacity < 1.0:
             # At 0 it still says how large the picture is.
-            scene.add_surface(self.target, colour=style.LINE, opacity=self.opacity)
+            scene.add_surface(sunk, colour=style.LINE, opacity=self.opacity)
         else:
-            # Flat strips cut a little into a surface that curves away from them.
-            depth = 4.0 * self.rods.material.thickness
-            sunk = self.target.vertices - depth * self.target.vertex_normals
-            scene.add_surface(TriMesh(sunk, self.target.faces))
+            scene.add_surface(sunk)
         if self.values is not None:
             if scale is None:
                 raise RenderError(f"panel '{self.title}' has values: draw it in a gallery with a scale")
