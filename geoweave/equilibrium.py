@@ -262,7 +262,7 @@ class _Problem:
         if solve is None:
             return None
         step = self.step(rods, gradient, solve, memory, numbers.turn)
-        found = None if step is None else self.search(rods, now, gradient, step, numbers)
+        found = None if step is None else self.search(rods, now, gradient, step, solve, numbers)
         return None if found is None or step is None else (*found, found[2] * step)
 
     def step(
@@ -298,25 +298,43 @@ class _Problem:
         largest = max(float(change.max()), float(np.abs(step[3 * rods.layout.vertices :]).max()))
         return step * min(1.0, turn / largest) if largest > 0 else step
 
+    @staticmethod
+    def moved(rods: Rods, step: Scalars) -> Rods | None:
+        """Rods after a step, or None if they would be none."""
+        try:
+            return rods.stepped(step)
+        except RodError:
+            return None
+
     def search(
-        self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, numbers: Stepping
+        self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, solve: Solve, numbers: Stepping
     ) -> tuple[Rods, dict[str, float], float] | None:
-        """Halve the step until the energy falls enough."""
+        """Halve the step until the energy falls enough.
+
+        A straight step leaves the curved valley in which lengths and contacts hold. Before it is halved the
+        same matrix may take it back there, for the price of a gradient (second-order correction): halving
+        alone would creep along the valley.
+        """
         slope = float(gradient @ step)
         if not slope < 0:
             return None
         share = 1.0
         rounding = 4.0 * np.finfo(np.float64).eps * sum(abs(e) for e in now.energies.values())
         while share >= numbers.shortest:
-            try:
-                trial = rods.stepped(share * step)
-            except RodError:
+            trial = self.moved(rods, share * step)
+            if trial is None:
                 share *= 0.5
                 continue
             energies = self.energies(trial)
             energy = sum(energies.values())
             if energy <= now.energy + numbers.sufficient * share * slope:
                 return trial, energies, share
+            back = self.step(trial, self.forces(trial)[0], solve, (), numbers.turn)
+            corrected = None if back is None else self.moved(trial, back)
+            if corrected is not None:
+                again = self.energies(corrected)
+                if sum(again.values()) <= now.energy + numbers.sufficient * share * slope:
+                    return corrected, again, share
             # Where the energy can no longer tell the two apart, the forces can.
             level = -share * slope < 1e3 * rounding and energy <= now.energy + rounding
             if level and self.forces(trial)[2] < now.gradient:
