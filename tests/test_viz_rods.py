@@ -84,7 +84,7 @@ def test_rest_is_put_back_on_the_design() -> None:
 
 def test_pictures() -> None:
     found = relaxed()
-    values = sum(energy_density(found.left.rods).values())
+    values = np.sum(list(energy_density(found.left.rods).values()), axis=0)
     scale = viz.energy_scale([values], "N")
     assert scale.low == 0
     assert 0 < scale.high <= values.max()
