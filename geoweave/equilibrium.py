@@ -329,7 +329,9 @@ class _Problem:
             energy = sum(energies.values())
             if energy <= now.energy + numbers.sufficient * share * slope:
                 return trial, energies, share
-            back = self.step(trial, self.forces(trial)[0], solve, (), numbers.turn)
+            back = None
+            if now.gradient > NEAR:  # nearer, the step is no longer that of one matrix
+                back = self.step(trial, self.forces(trial)[0], solve, (), numbers.turn)
             corrected = None if back is None else self.moved(trial, back)
             if corrected is not None:
                 again = self.energies(corrected)
