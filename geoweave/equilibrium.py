@@ -183,7 +183,9 @@ def minimized(
             damping = max(damping * (0.3 if share > 0.5 else 10.0 if share < 0.5 else 1.0), DAMPING[0])
             before = gradient
             gradient, jacobians, relative = problem.forces(current)
-            if numbers.memory and relative < NEAR and float((gradient - before) @ step) > 0:
+            if step is None:  # a corrected step is no secant of the gradient
+                solve = None
+            elif numbers.memory and relative < NEAR and float((gradient - before) @ step) > 0:
                 memory.append((step, gradient - before))
     return Equilibrium(current, relative <= numbers.tolerance, tuple(history), ending)
 
@@ -257,13 +259,15 @@ class _Problem:
         solve: Solve | None,
         memory: Sequence[tuple[Scalars, Scalars]],
         numbers: Stepping,
-    ) -> tuple[Rods, dict[str, float], float, Scalars] | None:
-        """Return where a step leads, its energies, the share of it that was taken, and that step."""
+    ) -> tuple[Rods, dict[str, float], float, Scalars | None] | None:
+        """Return where a step leads, its energies, its share, and the step itself if it was straight."""
         if solve is None:
             return None
         step = self.step(rods, gradient, solve, memory, numbers.turn)
         found = None if step is None else self.search(rods, now, gradient, step, solve, numbers)
-        return None if found is None or step is None else (*found, found[2] * step)
+        if found is None or step is None:
+            return None
+        return (*found[:3], found[2] * step if found[3] else None)
 
     def step(
         self,
@@ -308,12 +312,12 @@ class _Problem:
 
     def search(
         self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, solve: Solve, numbers: Stepping
-    ) -> tuple[Rods, dict[str, float], float] | None:
+    ) -> tuple[Rods, dict[str, float], float, bool] | None:
         """Halve the step until the energy falls enough.
 
         A straight step leaves the curved valley in which lengths and contacts hold. Before it is halved the
         same matrix may take it back there, for the price of a gradient (second-order correction): halving
-        alone would creep along the valley.
+        alone would creep along the valley. Also says whether the step was straight.
         """
         slope = float(gradient @ step)
         if not slope < 0:
@@ -328,19 +332,17 @@ class _Problem:
             energies = self.energies(trial)
             energy = sum(energies.values())
             if energy <= now.energy + numbers.sufficient * share * slope:
-                return trial, energies, share
-            back = None
-            if now.gradient > NEAR:  # nearer, the step is no longer that of one matrix
-                back = self.step(trial, self.forces(trial)[0], solve, (), numbers.turn)
+                return trial, energies, share, True
+            back = self.step(trial, self.forces(trial)[0], solve, (), numbers.turn)
             corrected = None if back is None else self.moved(trial, back)
             if corrected is not None:
                 again = self.energies(corrected)
                 if sum(again.values()) <= now.energy + numbers.sufficient * share * slope:
-                    return corrected, again, share
+                    return corrected, again, share, False
             # Where the energy can no longer tell the two apart, the forces can.
             level = -share * slope < 1e3 * rounding and energy <= now.energy + rounding
             if level and self.forces(trial)[2] < now.gradient:
-                return trial, energies, share
+                return trial, energies, share, True
             share *= 0.5
         return None
 
