@@ -39,7 +39,8 @@ def test_it_converges_near_its_surface() -> None:
     assert set(found.seconds) == {"slide", "relax", "departure"}
 
 
-def test_sliding_releases_geodesic_curvature() -> None:
+def test_sliding_releases_edgewise_bending() -> None:
+    """Ribbons turn on edge and move; that their lines become straighter on the surface is not claimed."""
     first, last = relaxed().slid.steps[0].energies, relaxed().slid.energies
     assert last["geodesic curvature"] < 0.1 * first["geodesic curvature"]
 
