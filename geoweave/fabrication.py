@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -19,7 +18,7 @@ from geoweave.errors import FieldError
 from geoweave.flatdrawing import Drawn, drawn
 from geoweave.inks import Colours
 from geoweave.nesting import Sheet, Stock, nested
-from geoweave.output import OutputError, check_writable, replacing
+from geoweave.output import OutputError, chosen, written_together
 from geoweave.pattern import Pattern
 from geoweave.pieces import Making, pieces_of
 from geoweave.solid import write_glb
@@ -73,13 +72,7 @@ def check_formats(names: Iterable[str]) -> tuple[str, ...]:
     OutputError
         If there is no such format.
     """
-    asked = [name.strip().lower() for name in names]
-    for name in asked:
-        if name not in FORMATS:
-            raise OutputError(
-                f"there is no format '{name}' for a pattern; the formats are {', '.join(FORMATS)}"
-            )
-    return tuple(name for name in FORMATS if name in asked)
+    return chosen(names, FORMATS, "pattern")
 
 
 def pattern_document(pattern: Pattern, bench: Bench, order: tuple[Step, ...] | None = None) -> dict[str, Any]:
@@ -133,23 +126,7 @@ def write(
         raise OutputError(
             "the GLB needs the weave itself, as a pattern has no places in space; leave 'glb' out"
         )
-    target = Path(folder)
-    jobs = _jobs(pattern, wanted, how, weave)
-    new = not target.exists()
-    if new:
-        check_writable(target)
-        target.mkdir()
-    try:
-        # Every file is written under a temporary name before the first of them takes its place.
-        with ExitStack() as stack:
-            for name, job in jobs.items():
-                job(stack.enter_context(replacing(target / name)))
-    except BaseException:
-        if new:
-            with suppress(OSError):
-                target.rmdir()
-        raise
-    return {name: target / name for name in jobs}
+    return written_together(_jobs(pattern, wanted, how, weave), folder)
 
 
 _Job = Callable[[Path], None]

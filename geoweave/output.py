@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from os import PathLike
 from pathlib import Path
 
 from geoweave.errors import GeoweaveError
 
-__all__ = ["OutputError", "check_writable", "replacing"]
+__all__ = ["OutputError", "check_writable", "chosen", "replacing", "written_together"]
 
 
 class OutputError(GeoweaveError):
@@ -48,6 +48,58 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             temporary.unlink()
+
+
+def written_together(
+    jobs: Mapping[str, Callable[[Path], object]], folder: str | PathLike[str]
+) -> dict[str, Path]:
+    """Write files into a folder, all of them or none; returns the path of each by its name.
+
+    Parameters
+    ----------
+    jobs : by the name of each file, what writes it to a path that it is given
+    folder : it is made if it is not there, in a folder that is
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written there.
+    """
+    target = Path(folder)
+    new = not target.exists()
+    if new:
+        check_writable(target)
+        target.mkdir()
+    try:
+        # Every file is written under a temporary name before the first of them takes its place.
+        with ExitStack() as stack:
+            for name, job in jobs.items():
+                job(stack.enter_context(replacing(target / name)))
+    except BaseException:
+        if new:
+            with suppress(OSError):
+                target.rmdir()
+        raise
+    return {name: target / name for name in jobs}
+
+
+def chosen(
+    names: Iterable[str], formats: Iterable[str], what: str, others: Iterable[str] = ()
+) -> tuple[str, ...]:
+    """Return the formats of these names, each once, in their own order; a refusal lists others too.
+
+    Raises
+    ------
+    OutputError
+        If there is no such format.
+    """
+    asked, known = [name.strip().lower() for name in names], list(formats)
+    for name in asked:
+        if name not in known:
+            raise OutputError(
+                f"there is no format '{name}' for a {what}; the formats are {', '.join([*known, *others])}"
+            )
+    return tuple(name for name in known if name in asked)
 
 
 def check_writable(path: str | PathLike[str]) -> None:

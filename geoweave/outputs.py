@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from contextlib import ExitStack, suppress
 from dataclasses import replace
+from functools import partial
 from os import PathLike
 from pathlib import Path
 
 from geoweave.inspection import Inspection, inspected
-from geoweave.output import OutputError, check_writable, replacing
+from geoweave.output import chosen, written_together
 from geoweave.relaxed import Relaxed
 from geoweave.ribbon_rods import file_of_rods, rods_of_ribbons
 from geoweave.rodfiles import RodFile, rod_text
@@ -33,13 +33,7 @@ def check_formats(names: Iterable[str], others: Iterable[str] = ()) -> tuple[str
     OutputError
         If there is no such format.
     """
-    asked = [name.strip().lower() for name in names]
-    for name in asked:
-        if name not in FORMATS:
-            raise OutputError(
-                f"there is no format '{name}' for a weave; the formats are {', '.join([*FORMATS, *others])}"
-            )
-    return tuple(name for name in FORMATS if name in asked)
+    return chosen(names, FORMATS, "weave", others)
 
 
 def rod_file(weave: Weave) -> RodFile:
@@ -106,20 +100,9 @@ def write_texts(texts: Mapping[str, str], folder: str | PathLike[str]) -> dict[s
     OutputError
         If a file cannot be written there.
     """
-    target = Path(folder)
-    new = not target.exists()
-    if new:
-        check_writable(target)
-        target.mkdir()
-    try:
-        # Every file is written under a temporary name before the first of them takes its place.
-        with ExitStack() as stack:
-            for name, text in texts.items():
-                temporary = stack.enter_context(replacing(target / name))
-                temporary.write_text(text, encoding="utf-8", newline="\n")
-    except BaseException:
-        if new:
-            with suppress(OSError):
-                target.rmdir()
-        raise
-    return {name: target / name for name in texts}
+    jobs = {name: partial(_write_text, text=text) for name, text in texts.items()}
+    return written_together(jobs, folder)
+
+
+def _write_text(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
