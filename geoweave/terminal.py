@@ -26,6 +26,7 @@ Say = Callable[[str], None]
 
 as_json = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 mesh_argument = click.argument("name", metavar="MESH")
+meshes_argument = click.argument("names", metavar="MESH...", nargs=-1, required=True)
 repair_option = click.option(
     "--repair", is_flag=True, help="Cut the surface apart along edges shared by more than two faces."
 )
@@ -77,9 +78,32 @@ def surface_options(command: Callable[..., None]) -> Callable[..., None]:
     ) -> None:
         command(Surface(name, faces, seed, repair, components), **others)
 
-    for option in (components_option, repair_option, seed_option, faces_option, mesh_argument):
-        bundled = option(bundled)
-    return bundled
+    return _with_options(bundled, mesh_argument)
+
+
+def surfaces_options(command: Callable[..., None]) -> Callable[..., None]:
+    """The same for a command that takes several meshes, which are handed over as a tuple."""
+
+    @wraps(command)
+    def bundled(
+        names: tuple[str, ...],
+        faces: int | None,
+        seed: int,
+        repair: bool,
+        components: Components,
+        **others: Any,
+    ) -> None:
+        command(tuple(Surface(name, faces, seed, repair, components) for name in names), **others)
+
+    return _with_options(bundled, meshes_argument)
+
+
+def _with_options(
+    command: Callable[..., None], argument: Callable[[Callable[..., None]], Callable[..., None]]
+) -> Callable[..., None]:
+    for option in (components_option, repair_option, seed_option, faces_option, argument):
+        command = option(command)
+    return command
 
 
 def prepared_surface(surface: Surface, seconds: dict[str, float], say: Say) -> Prepared:

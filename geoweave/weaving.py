@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from geoweave.terminal import (
     Positive,
+    Say,
     Surface,
     about,
     as_json,
@@ -28,86 +33,138 @@ if TYPE_CHECKING:
     from geoweave.woven import Weave
 
 
-@click.command()
-@surface_options
-@click.option(
-    "-o", "output", metavar="DIR", required=True, help="Folder for the results; made if it is not there."
-)
-@click.option(
-    "--symmetry", type=click.IntRange(min=3), default=6, help="Vectors of the RoSy: 6 weaves triaxially (6)."
-)
-@click.option(
-    "--ribbons", type=click.IntRange(min=1), help="How many ribbons; the nearest number that a search meets."
-)
-@click.option("--scale", type=Positive(), help="Factor on the number of ribbons (1), in place of --ribbons.")
-@click.option(
-    "--size", type=Positive(), help="Longest side of the bounding box in mm; results are then in mm."
-)
-@click.option(
-    "--width", type=Positive(), help="Width of a ribbon, in mm with --size, else in the mesh's unit."
-)
-@click.option("--thickness", type=Positive(), help="Thickness of a ribbon (a twentieth of the width).")
-@click.option(
-    "--formats",
-    default="json",
-    metavar="json,rod,svg,pdf",
-    help="What to write, apart by commas: json (always), rod, pattern, csv, svg, dxf, pdf, glb; those from "
-    "pattern on need --size.",
-)
-@click.option(
-    "--no-relax", is_flag=True, help="Stop before physics: nothing slides, and relaxed.json is not written."
-)
-@as_json
-def weave(
-    surface: Surface,
-    output: str,
-    symmetry: int,
-    ribbons: int | None,
-    scale: float | None,
-    size: float | None,
-    width: float | None,
-    thickness: float | None,
-    formats: str,
-    no_relax: bool,
-    as_json: bool,
-) -> None:
-    """Design a weave: ribbons along geodesics, their crossings, over and under."""
-    if ribbons is not None and scale is not None:
-        raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
+@dataclass(frozen=True)
+class Asked:
+    """What a weave is to be like and what is to be written, as it was asked for."""
+
+    symmetry: int
+    ribbons: int | None
+    scale: float | None
+    size: float | None
+    width: float | None
+    thickness: float | None
+    formats: tuple[str, ...]
+    relax: bool
+
+
+class Made(NamedTuple):
+    """A weave that was designed, relaxed and written."""
+
+    result: dict[str, Any]
+    """What ``--json`` prints."""
+    prepared: Prepared
+    pattern: Weave
+    report: Inspection
+
+
+def weave_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of a weave and hand them over as one, or refuse them."""
+
+    @wraps(command)
+    def bundled(
+        *arguments: Any,
+        symmetry: int,
+        ribbons: int | None,
+        scale: float | None,
+        size: float | None,
+        width: float | None,
+        thickness: float | None,
+        formats: str,
+        no_relax: bool,
+        **others: Any,
+    ) -> None:
+        if ribbons is not None and scale is not None:
+            raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
+        names = tuple(name.strip().lower() for name in formats.split(","))
+        cut, _ = formats_of(names)
+        if cut and size is None:
+            raise click.UsageError(f"a pattern ({', '.join(cut)}) is in mm; give the object a --size")
+        asked = Asked(symmetry, ribbons, scale, size, width, thickness, names, not no_relax)
+        command(*arguments, asked=asked, **others)
+
+    options = (
+        click.option(
+            "--symmetry",
+            type=click.IntRange(min=3),
+            default=6,
+            help="Vectors of the RoSy: 6 weaves triaxially (6).",
+        ),
+        click.option(
+            "--ribbons",
+            type=click.IntRange(min=1),
+            help="How many ribbons; the nearest number that a search meets.",
+        ),
+        click.option(
+            "--scale", type=Positive(), help="Factor on the number of ribbons (1), in place of --ribbons."
+        ),
+        click.option(
+            "--size", type=Positive(), help="Longest side of the bounding box in mm; results are then in mm."
+        ),
+        click.option(
+            "--width", type=Positive(), help="Width of a ribbon, in mm with --size, else in the mesh's unit."
+        ),
+        click.option(
+            "--thickness", type=Positive(), help="Thickness of a ribbon (a twentieth of the width)."
+        ),
+        click.option(
+            "--formats",
+            default="json",
+            metavar="json,rod,svg,pdf",
+            help="What to write, apart by commas: json (always), rod, pattern, csv, svg, dxf, pdf, glb; "
+            "those from pattern on need --size.",
+        ),
+        click.option(
+            "--no-relax",
+            is_flag=True,
+            help="Stop before physics: nothing slides, and relaxed.json is not written.",
+        ),
+    )
+    for option in reversed(options):
+        bundled = option(bundled)
+    return bundled
+
+
+def formats_of(names: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Part formats into those of a pattern and those of a weave; an unknown one is refused."""
+    from geoweave import fabrication
+    from geoweave.outputs import check_formats
+
+    asked = tuple(names)
+    cut = fabrication.check_formats(name for name in asked if name in fabrication.FORMATS)
+    return cut, check_formats((name for name in asked if name not in cut), fabrication.FORMATS)
+
+
+def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
+    """Read a surface, weave it, relax the weave, and write what was asked for into a folder."""
     from geoweave import fabrication
     from geoweave.inspection import inspected
-    from geoweave.outputs import check_formats, write_weave
+    from geoweave.outputs import write_weave
     from geoweave.pattern import pattern_of
     from geoweave.prepare import evened
     from geoweave.relaxed import relaxed_weave
     from geoweave.weave import weave_pattern
 
-    asked = [name.strip().lower() for name in formats.split(",")]
-    cut = fabrication.check_formats(name for name in asked if name in fabrication.FORMATS)
-    wanted = check_formats((name for name in asked if name not in fabrication.FORMATS), fabrication.FORMATS)
-    if cut and size is None:
-        raise click.UsageError(f"a pattern ({', '.join(cut)}) is in mm; give the object a --size")
-    folder = new_folder(output)
+    cut, wanted = formats_of(asked.formats)
     seconds: dict[str, float] = {}
-    with status() as say, about(surface.name):
+    with about(surface.name):
         prepared = prepared_surface(surface, seconds, say)
         if surface.faces is None:
             with timed(seconds, "remesh"):
                 prepared = evened(prepared, name=surface.name)
         pattern = weave_pattern(
             prepared.mesh,
-            symmetry=symmetry,
-            scale=scale,
-            ribbons=ribbons,
+            symmetry=asked.symmetry,
+            scale=asked.scale,
+            ribbons=asked.ribbons,
             seed=surface.seed,
             callback=lambda stage: say(f"weaving: {stage}"),
         )
         seconds |= pattern.seconds
-        pattern = pattern.sized(size, width, thickness)
+        pattern = pattern.sized(asked.size, asked.width, asked.thickness)
         with timed(seconds, "inspection"):
             report = inspected(pattern)
         rest = None
-        if not no_relax:
+        if asked.relax:
             rest = relaxed_weave(pattern, callback=lambda stage, step: say(_progress(stage, step)))
             seconds |= rest.seconds
         with timed(seconds, "write"):
@@ -122,9 +179,9 @@ def weave(
         "faces": prepared.mesh.n_faces,
         "genus": prepared.mesh.genus,
         "boundary_loops": len(prepared.mesh.boundary_loops),
-        "symmetry": symmetry,
+        "symmetry": asked.symmetry,
         "scale": pattern.scale,
-        "ribbons_asked": ribbons,
+        "ribbons_asked": asked.ribbons,
         "scales_tried": len(pattern.tried) or 1,
         "seed": surface.seed,
         "branch_points": len(pattern.branch_points),
@@ -141,10 +198,25 @@ def weave(
         "output": str(files["weave.json"]),
         "files": [str(path) for path in files.values()],
     }
+    return Made(result, prepared, pattern, report)
+
+
+@click.command()
+@surface_options
+@click.option(
+    "-o", "output", metavar="DIR", required=True, help="Folder for the results; made if it is not there."
+)
+@weave_options
+@as_json
+def weave(surface: Surface, output: str, asked: Asked, as_json: bool) -> None:
+    """Design a weave: ribbons along geodesics, their crossings, over and under."""
+    folder = new_folder(output)
+    with status() as say:
+        made = woven(surface, asked, folder, say)
     if as_json:
-        print_json(result)
+        print_json(made.result)
         return
-    print_table(surface.name, _rows(result, prepared, pattern, report))
+    print_table(surface.name, _rows(made.result, made.prepared, made.pattern, made.report))
 
 
 def _rows(
