@@ -20,10 +20,28 @@ from geoweave.output import replacing
 if TYPE_CHECKING:
     from geoweave.woven import Weave
 
-__all__ = ["Ribbon", "glb_bytes", "solid_ribbons", "write_glb"]
+__all__ = ["Course", "Ribbon", "courses", "glb_bytes", "solid_ribbons", "write_glb"]
 
 CLEAR = 1.4
 """Distance of the middles of two ribbons where they cross, in thicknesses; the surface bends under them."""
+
+
+class Course(NamedTuple):
+    """The way of a ribbon in space, over and under the others; a closed one ends where it begins."""
+
+    label: str
+    family: int
+    closed: bool
+    at: Scalars
+    """(P,) where on the ribbon its cross sections are."""
+    centre: Vectors
+    """(P, 3) their middles, in the unit of the weave."""
+    side: Vectors
+    """(P, 3) unit, to the left."""
+    up: Vectors
+    """(P, 3) unit, outwards."""
+    ahead: Vectors
+    """(P, 3) unit, along the line that the ribbon follows on the surface."""
 
 
 class Ribbon(NamedTuple):
@@ -62,6 +80,25 @@ def solid_ribbons(weave: Weave | Mapping[str, Any], step: float = 0.25) -> tuple
         If the document is no weave.
     """
     document = weave if isinstance(weave, Mapping) else weave.document()
+    found = courses(document, step)
+    width, thickness = float(document["width"]), float(document["thickness"])
+    return tuple(_tube(each, width, thickness) for each in found)
+
+
+def courses(weave: Weave | Mapping[str, Any], step: float = 0.25) -> tuple[Course, ...]:
+    """Follow every ribbon, half a thickness and a little up or down at each crossing.
+
+    Parameters
+    ----------
+    weave : a weave, or the contents of ``weave.json``
+    step : between cross sections, in widths
+
+    Raises
+    ------
+    FieldError
+        If the document is no weave.
+    """
+    document = weave if isinstance(weave, Mapping) else weave.document()
     if document.get("format") != "geoweave-weave":
         raise FieldError("weave.json: is not a geoweave-weave; write it with 'geoweave weave'")
     width, thickness = float(document["width"]), float(document["thickness"])
@@ -71,7 +108,7 @@ def solid_ribbons(weave: Weave | Mapping[str, Any], step: float = 0.25) -> tuple
             up = 0.5 * CLEAR * thickness * (1 if each["over_index"] == side else -1)
             lifts[each["ribbons"][side]].append((float(each["arclength"][side]), up))
     return tuple(
-        _ribbon(ribbon, sorted(lift), width, thickness, step * width)
+        _course(ribbon, sorted(lift), width, step * width)
         for ribbon, lift in zip(document["ribbons"], lifts, strict=True)
     )
 
@@ -152,9 +189,7 @@ def _material(family: int, colour: str) -> dict[str, Any]:
     }
 
 
-def _ribbon(
-    ribbon: Mapping[str, Any], lift: list[tuple[float, float]], width: float, thickness: float, step: float
-) -> Ribbon:
+def _course(ribbon: Mapping[str, Any], lift: list[tuple[float, float]], width: float, step: float) -> Course:
     points, normals = (np.array(ribbon[key], dtype=np.float64) for key in ("points", "normals"))
     closed = bool(ribbon["closed"])
     if closed:
@@ -180,7 +215,8 @@ def _ribbon(
     up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
     side = np.cross(up, ahead)
     height = _heights(where, lift, at[-1], width, closed)
-    return _tube(ribbon, centre + height[:, None] * up, side, up, ahead, width, thickness, closed)
+    lifted = centre + height[:, None] * up
+    return Course(str(ribbon["label"]), int(ribbon["family"]), closed, where, lifted, side, up, ahead)
 
 
 def _mean_normals(where: Scalars, at: Scalars, normals: Vectors, reach: float, closed: bool) -> Vectors:
@@ -215,17 +251,9 @@ def _heights(
     return np.asarray(heights)
 
 
-def _tube(
-    ribbon: Mapping[str, Any],
-    centre: Vectors,
-    side: Vectors,
-    up: Vectors,
-    ahead: Vectors,
-    width: float,
-    thickness: float,
-    closed: bool,
-) -> Ribbon:
+def _tube(course: Course, width: float, thickness: float) -> Ribbon:
     """A rectangle swept along a line, with sharp edges; ends that are not joined are shut."""
+    centre, side, up, ahead = course.centre, course.side, course.up, course.ahead
     count = len(centre)
     vertices, normals, triangles = [], [], []
     corners = [centre + a * 0.5 * width * side + b * 0.5 * thickness * up for a, b in _ROUND]
@@ -235,7 +263,7 @@ def _tube(
         normals += [normal, normal]
         a, b, c, d = base + first, base + count + first, base + count + first + 1, base + first + 1
         triangles += [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
-    if not closed:
+    if not course.closed:
         for end, sign in ((0, -1.0), (count - 1, 1.0)):
             base = sum(len(each) for each in vertices)
             vertices.append(np.array([corner[end] for corner in corners]))
@@ -243,8 +271,8 @@ def _tube(
             turn = np.array([[0, 2, 1], [0, 3, 2]]) if sign < 0 else np.array([[0, 1, 2], [0, 2, 3]])
             triangles.append(base + turn)
     return Ribbon(
-        str(ribbon["label"]),
-        int(ribbon["family"]),
+        course.label,
+        course.family,
         np.concatenate(vertices),
         np.concatenate(normals),
         np.concatenate(triangles).astype(np.int64),

@@ -11,7 +11,7 @@ import trimesh
 
 from geoweave.errors import FieldError
 from geoweave.inks import FAMILIES
-from geoweave.solid import glb_bytes, solid_ribbons
+from geoweave.solid import CLEAR, courses, glb_bytes, solid_ribbons
 from tests.laidflat import bow_tie, circles, cone, flat
 
 
@@ -92,3 +92,18 @@ def test_the_same_weave_gives_the_same_bytes() -> None:
 def test_refusals() -> None:
     with pytest.raises(FieldError, match="is not a geoweave-weave"):
         solid_ribbons({"format": "geoweave-pattern"})
+
+
+def test_courses_go_over_and_under_and_closed_ones_come_back() -> None:
+    document = circles()
+    half = 0.5 * CLEAR * document["thickness"]
+    for r, course in enumerate(courses(document)):
+        assert (course.label, course.closed) == (document["ribbons"][r]["label"], True)
+        np.testing.assert_allclose(course.centre[0], course.centre[-1], atol=1e-9)
+        np.testing.assert_allclose((course.side * course.up).sum(axis=1), 0.0, atol=1e-12)
+        for each in document["crossings"]:
+            for side in (0, 1):
+                if each["ribbons"][side] == r:
+                    k = int(np.argmin(np.abs(course.at - each["arclength"][side])))
+                    way = 1 if each["over_index"] == side else -1
+                    assert np.linalg.norm(course.centre[k]) == pytest.approx(60.0 + way * half, abs=0.03)
