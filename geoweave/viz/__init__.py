@@ -26,6 +26,7 @@ from geoweave.viz.gallery import (
     streamline_gallery,
 )
 from geoweave.viz.layout import gallery
+from geoweave.viz.pages import Page
 from geoweave.viz.periodic import Periodic, add_theta, periodic_gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
@@ -72,6 +73,7 @@ __all__ = [
     "Family",
     "Lines",
     "Note",
+    "Page",
     "Panel",
     "Periodic",
     "Picture",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 from matplotlib.colors import Colormap, ListedColormap, to_rgb
 from matplotlib.figure import Figure
@@ -10,13 +11,24 @@ from matplotlib.figure import Figure
 from geoweave.errors import RenderError
 from geoweave.viz import style
 from geoweave.viz.picture import Picture, sheet
-from geoweave.viz.scene import Pixels, Scene
+from geoweave.viz.scene import Pixels
 
 SIDE, GAP, TITLE, SUBTITLE = 34, 50, 58, 40
 """Pixels of a full-width figure: its border, between panels, for each line of words under one."""
 
 SHADES = (0.45, 0.65, 0.85, 1.0)
 """How dark an accent gets where light falls on it aslant; each shade has its place in the palette."""
+
+
+class Drawable(Protocol):
+    """What a gallery can show: a `Scene`, or a `Page` of a pattern."""
+
+    @property
+    def aspect(self) -> float:
+        """Width over height."""
+
+    def draw(self, height: int) -> Pixels:
+        """Draw it this many pixels tall."""
 
 
 def place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
@@ -40,7 +52,7 @@ def caption(
 
 
 def grid(
-    scenes: Sequence[Scene],
+    scenes: Sequence[Drawable],
     words: Sequence[tuple[str, str]],
     *,
     columns: int | None,
@@ -90,7 +102,7 @@ def grid(
 
 
 def gallery(
-    scenes: Sequence[Scene],
+    scenes: Sequence[Drawable],
     words: Sequence[tuple[str, str]],
     *,
     columns: int | None = None,
