@@ -43,6 +43,7 @@ class Woven:
     view : where from, or the name of a model in `VIEWS`
     width, thickness : of the ribbons, lengths on the surface; those of the weave if not given
     hues : number of colours; by default three, or as many as there are families
+    families : whether a ribbon has the colour of its family, as on its strip in a pattern
     focus : a place on the surface and the radius round it that is to be seen; all of it if None
     dots : whether to mark the branch points
     """
@@ -54,12 +55,14 @@ class Woven:
     width: float | None = None
     thickness: float | None = None
     hues: int | None = None
+    families: bool = False
     focus: tuple[Sequence[float], float] | None = None
     dots: bool = False
 
     def scene(self) -> Scene:
         """Build the scene."""
-        scene = weave_scene(self.weave, self.view, width=self.width, thickness=self.thickness, hues=self.hues)
+        chosen = self.weave.families if self.families else colouring(self.weave, self.hues)
+        scene = weave_scene(self.weave, self.view, chosen, width=self.width, thickness=self.thickness)
         scene.focus = self.focus
         if self.dots:
             mesh, points = self.weave.mesh, self.weave.branch_points
@@ -184,18 +187,18 @@ def strip(middle: Vectors, half: Vectors, thick: Vectors, closed: bool) -> Strip
 def weave_scene(
     weave: Weave,
     view: View | str,
+    chosen: Indices | None = None,
     *,
     width: float | None = None,
     thickness: float | None = None,
-    hues: int | None = None,
 ) -> Scene:
-    """Build the scene of a weave on its surface, ribbons in the colours of `colouring`."""
+    """Build the scene of a weave on its surface, ribbons in the chosen colours or in those of `colouring`."""
     scene = Scene(VIEWS[view] if isinstance(view, str) else view)
     # The surface a little below, so that what goes under is not lost in it.
     depth = 1.3 * (weave.thickness if thickness is None else thickness)
     sunk = weave.mesh.vertices - depth * weave.mesh.vertex_normals
     scene.add_surface(TriMesh(sunk, weave.mesh.faces), colour=style.SURFACE)
-    chosen = colouring(weave, hues)
+    chosen = colouring(weave) if chosen is None else chosen
     for hue in range(int(chosen.max()) + 1):
         made = strips(weave, np.flatnonzero(chosen == hue), width, thickness)
         if len(made.quads):
