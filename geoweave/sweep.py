@@ -1,0 +1,415 @@
+"""One weave after another over many meshes, resumably, and a table of them (Section 6).
+
+A mesh is woven into a folder beside its own, from which only whole files are moved. What is moved last is
+``sweep.json``: the digest of everything that the weave depends on, and the sha256 of every file. A mesh is
+woven again exactly when that digest or a file is another one: an interrupted sweep goes on where it stopped.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import json
+import os
+import shutil
+import tempfile
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing, suppress
+from dataclasses import asdict, dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from geoweave.errors import GeoweaveError
+from geoweave.output import OutputError, check_writable
+from geoweave.outputs import write_texts
+from geoweave.places import package_version
+from geoweave.pools import on_cluster, on_this_machine
+from geoweave.terminal import Surface
+from geoweave.weaving import Asked, woven
+
+__all__ = ["COLUMNS", "Job", "Row", "folder_names", "jobs_of", "sweep", "table_texts", "weave_one"]
+
+RECORD, TABLES = "sweep.json", ("table.csv", "table.md")
+LEFTOVER = ".weaving-"
+"""How folders begin in which work is under way."""
+
+_ALONE = threading.Lock()
+"""A process weaves one mesh at a time: reading a file quietly is nothing for two threads."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """One mesh to be woven, wherever that happens."""
+
+    mesh: str
+    """As it was asked for."""
+    surface: Surface
+    """With the whole path of the file."""
+    asked: Asked
+    key: str
+    """Digest of everything that the weave depends on."""
+    code: str
+    """Digest of the package's source, which the program must have that does it; "" on this machine."""
+    name: str
+    """Of its folder."""
+    folder: str
+    """To work in, with its whole path."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What became of one mesh.
+
+    Attributes
+    ----------
+    mesh : as it was asked for
+    folder : name of its folder
+    state : "done" (woven now), "kept" (there already) or "failed"
+    problem : for a failure, one sentence
+    result : what ``geoweave weave --json`` says of it, {} for a failure
+    fault : the traceback, where the failure is a fault of ours
+    """
+
+    mesh: str
+    folder: str
+    state: str
+    problem: str = ""
+    result: Mapping[str, Any] | None = None
+    fault: str = ""
+
+    def sentence(self) -> str:
+        """What the progress display says of it."""
+        if self.result is None:
+            return f"failed: {self.problem}"
+        done = self.result
+        if self.state == "kept":
+            return f"{done['ribbons']} ribbons, kept: mesh, options and version are the same"
+        return (
+            f"{done['ribbons']} ribbons, {done['crossings']} crossings, in {done['seconds']['total']:.0f} s"
+        )
+
+
+def sweep(
+    surfaces: Sequence[Surface],
+    asked: Asked,
+    folder: Path,
+    *,
+    jobs: int = 1,
+    dask: str | None = None,
+    callback: Callable[[Row], None] | None = None,
+) -> tuple[Row, ...]:
+    """Weave many meshes into ``folder/<name of the mesh>/`` and write a table of them.
+
+    Parameters
+    ----------
+    surfaces : the meshes; one that is named twice is woven once
+    asked : what each weave is to be like
+    folder : it is made if it is not there, in a folder that is
+    jobs : processes on this machine
+    dask : address of a Dask scheduler, in place of them; its workers must see the folder and the files
+    callback : called with each row as it is ready
+
+    Returns
+    -------
+    The rows in the order of the meshes. A mesh that fails is a row, and stops no other.
+
+    Raises
+    ------
+    OutputError
+        If the folder or a table cannot be written.
+    PoolError
+        If there is no such cluster.
+    """
+    folder = folder.resolve()
+    new = not folder.exists()
+    for name in TABLES if not new else ():
+        check_writable(folder / name)
+    if new:
+        check_writable(folder)
+        folder.mkdir()
+    _drop_leftovers(folder)
+    work = Path(tempfile.mkdtemp(prefix=LEFTOVER, dir=folder))
+    try:
+        todo = jobs_of(surfaces, asked, work, code="" if dask is None else source_digest())
+        rows = _rows(todo, folder, jobs, dask, callback)
+        write_texts(table_texts(rows), folder)
+        return rows
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+        if new:
+            with suppress(OSError):
+                folder.rmdir()  # if nothing came of it
+
+
+def _rows(
+    todo: Sequence[Job | Row],
+    folder: Path,
+    jobs: int,
+    dask: str | None,
+    callback: Callable[[Row], None] | None,
+) -> tuple[Row, ...]:
+    rows: dict[int, Row] = {}
+
+    def ready(place: int, row: Row) -> None:
+        rows[place] = row
+        if callback is not None:
+            callback(row)
+
+    left: dict[int, Job] = {}
+    for place, each in enumerate(todo):
+        if isinstance(each, Row):
+            ready(place, each)
+        elif (kept := _kept(each, folder)) is not None:
+            ready(place, kept)
+        else:
+            left[place] = each
+    places, items = list(left), list(left.values())
+    if items:
+        pool = on_this_machine(weave_one, items, jobs) if dask is None else on_cluster(weave_one, items, dask)
+        with closing(pool):  # so that no process goes on when we are interrupted
+            for ended in pool:
+                job = items[ended.item]
+                outcome = {"problem": f"{job.mesh}: {ended.problem}"} if ended.problem else ended.result
+                ready(places[ended.item], _settled(job, outcome, folder))
+    return tuple(rows[place] for place in range(len(todo)))
+
+
+def weave_one(job: Job) -> dict[str, Any]:
+    """Weave one mesh into its folder to work in, in whatever process this is.
+
+    Returns
+    -------
+    The result, or one sentence on what went wrong, with the traceback if it is a fault of ours.
+    """
+    try:
+        if job.code and job.code != source_digest():
+            raise GeoweaveError(
+                f"{job.mesh}: the worker has another geoweave ({package_version()}); install the same there"
+            )
+        if not Path(job.folder).parent.is_dir():
+            raise GeoweaveError(
+                f"{job.mesh}: the worker does not see {Path(job.folder).parent.parent}; "
+                "a cluster needs a file system that all its machines share"
+            )
+        with _ALONE:
+            made = woven(job.surface, job.asked, Path(job.folder), lambda text: None)
+        return {"result": made.result}
+    except GeoweaveError as error:
+        return {"problem": " ".join(str(error).replace(job.surface.name, job.mesh).split())}
+    except MemoryError:
+        return {"problem": f"{job.mesh}: not enough memory; ask for fewer triangles with --faces"}
+    except Exception as error:
+        said = " ".join(f"{type(error).__name__}: {error}".split())
+        return {
+            "problem": f"{job.mesh}: a fault of geoweave ({said}); please report it",
+            "fault": traceback.format_exc(),
+        }
+
+
+def jobs_of(surfaces: Sequence[Surface], asked: Asked, work: Path, code: str = "") -> list[Job | Row]:
+    """Give each mesh its folder and its digest; one that cannot be read at all is a row already."""
+    once: dict[str, Surface] = {}
+    for surface in surfaces:
+        once.setdefault(os.path.realpath(_place(surface)), surface)
+    places = [_place(surface) for surface in once.values()]
+    found: list[Job | Row] = []
+    for place, surface, name in zip(places, once.values(), folder_names(places), strict=True):
+        try:
+            key = _key(place, surface, asked)
+        except GeoweaveError as error:
+            found.append(Row(surface.name, name, "failed", " ".join(str(error).split())))
+            continue
+        there = replace(surface, name=place)
+        found.append(Job(surface.name, there, asked, key, code, name, str(work / name)))
+    return found
+
+
+def folder_names(places: Sequence[str]) -> list[str]:
+    """Name a folder for each mesh: the file's name without its ending, with more of its path where two agree.
+
+    Names that differ in capitals only count as the same, as file systems take them for the same.
+    """
+    paths = [Path(place) for place in places]
+    names = [_named(path, 0) for path in paths]
+    for more in range(1, max((len(path.parts) for path in paths), default=0) + 1):
+        seen = [*TABLES, *(name.casefold() for name in names)]
+        names = [
+            _named(path, more) if seen.count(name.casefold()) > 1 else name
+            for path, name in zip(paths, names, strict=True)
+        ]
+    count: dict[str, int] = {}
+    for k, name in enumerate(names):
+        same = name.casefold()
+        count[same] = count.get(same, 0) + 1
+        names[k] = name if count[same] == 1 else f"{name}-{count[same]}"
+    return names
+
+
+def _named(path: Path, more: int) -> str:
+    """A file's stem, then with its ending too, then with the folders that it lies in."""
+    folders = path.parent.parts[len(path.parent.parts) - more + 1 :] if more > 1 else ()
+    words = [*folders, path.stem, path.suffix if more else ""]
+    return "-".join(word for word in (word.strip("./\\:") for word in words) if word) or "mesh"
+
+
+def _place(surface: Surface) -> str:
+    """The whole path of a mesh's file, or the name of a data set."""
+    name = surface.name
+    named = not os.path.lexists(name) and name.replace("-", "").replace("_", "").isalnum()
+    return name if named else os.path.abspath(name)
+
+
+def _key(place: str, surface: Surface, asked: Asked) -> str:
+    """Digest of what a weave depends on: the file, how it is read, what is asked for, and this program."""
+    facts = {
+        "surface": {**asdict(surface), "name": ""},
+        "asked": asdict(asked),
+        "version": package_version(),
+        "source": source_digest(),
+        "mesh": _content(place, surface.name),
+    }
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
+
+
+def _content(place: str, name: str) -> str:
+    """Digest of a mesh's file; that of a data set is the one of the registry."""
+    from geoweave import datasets
+
+    if place in datasets.names():
+        return datasets.dataset(place).sha256
+    try:
+        return hashlib.sha256(Path(place).read_bytes()).hexdigest()
+    except OSError as error:
+        if isinstance(error, FileNotFoundError | NotADirectoryError):
+            raise GeoweaveError(
+                f"{name}: there is neither a file nor a data set of that name; check the path"
+            ) from None
+        raise GeoweaveError(f"{name}: cannot be read ({error.strerror}); check the file") from None
+
+
+@cache
+def source_digest() -> str:
+    """Digest of the package's source, so that another state of a checkout is another version."""
+    package = Path(__file__).resolve().parent
+    total = hashlib.sha256()
+    for path in sorted(package.glob("*.py")):
+        total.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    return total.hexdigest()
+
+
+def _kept(job: Job, folder: Path) -> Row | None:
+    """The row of a mesh that is woven already, from the same things, and whose files are whole."""
+    target = folder / job.name
+    try:
+        record = json.loads((target / RECORD).read_text(encoding="utf-8"))
+        same = record["key"] == job.key
+        whole = all(_sha256(target / name) == digest for name, digest in record["files"].items())
+        result = _told(record["result"], job, target, record["files"])
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return None
+    return Row(job.mesh, job.name, "kept", result=result) if same and whole else None
+
+
+def _settled(job: Job, outcome: Mapping[str, Any], folder: Path) -> Row:
+    """Move what was woven to its place; the record last, which says that it is whole."""
+    target, made = folder / job.name, Path(job.folder)
+    if "result" not in outcome:
+        return Row(job.mesh, job.name, "failed", outcome["problem"], None, outcome.get("fault", ""))
+    try:
+        target.mkdir(exist_ok=True)
+        before = _forget(target)
+        files = {path.name: _sha256(path) for path in sorted(made.iterdir())}
+        for name in files:
+            os.replace(made / name, target / name)
+        for name in before - set(files):
+            (target / name).unlink(missing_ok=True)
+        record = {
+            "format": "geoweave-sweep",
+            "version": 1,
+            "key": job.key,
+            "files": files,
+            "result": outcome["result"],
+        }
+        write_texts({RECORD: json.dumps(record, indent=1, allow_nan=False) + "\n"}, target)
+    except OSError as error:
+        return Row(job.mesh, job.name, "failed", f"{target}: cannot be written ({error.strerror})")
+    except OutputError as error:
+        return Row(job.mesh, job.name, "failed", str(error))
+    return Row(job.mesh, job.name, "done", result=_told(outcome["result"], job, target, files))
+
+
+def _forget(target: Path) -> set[str]:
+    """Take the record away, as the files are no longer what it says; returns the names of those files."""
+    record = target / RECORD
+    names: set[str] = set()
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        names = {
+            name
+            for name in json.loads(record.read_text(encoding="utf-8"))["files"]
+            if name == Path(name).name
+        }
+    record.unlink(missing_ok=True)
+    return names
+
+
+def _told(result: Mapping[str, Any], job: Job, target: Path, files: Iterable[str]) -> dict[str, Any]:
+    """The result with the names by which people know the mesh and the files."""
+    places = {"output": str(target / "weave.json"), "files": [str(target / name) for name in files]}
+    return {**result, "mesh": job.mesh, **places}
+
+
+def _sha256(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _drop_leftovers(folder: Path) -> None:
+    """Remove the folders to work in that a killed sweep left behind more than a day ago."""
+    for path in folder.glob(f"{LEFTOVER}*"):
+        if time.time() - path.stat().st_mtime > 86_400:
+            shutil.rmtree(path, ignore_errors=True)
+
+
+COLUMNS: dict[str, Callable[[Mapping[str, Any]], Any]] = {
+    "faces": lambda r: r["faces"],
+    "genus": lambda r: r["genus"],
+    "boundary loops": lambda r: r["boundary_loops"],
+    "branch points": lambda r: r["branch_points"],
+    "ribbons": lambda r: r["ribbons"],
+    "crossings": lambda r: r["crossings"],
+    "length": lambda r: f"{r['total_length']:.6g}",
+    "units": lambda r: r["units"],
+    "median angle": lambda r: f"{r['crossing_angle_deg']['median']:.1f}",
+    "5 % angle": lambda r: f"{r['crossing_angle_deg']['p05']:.1f}",
+    "alternation": lambda r: f"{r['alternation']['fraction']:.4f}",
+    "at most": lambda r: f"{r['alternation']['optimal_fraction_bound']:.4f}",
+    "loose ends": lambda r: r["loose_ends"],
+    "broken rules": lambda r: r["violations"],
+    "farthest at rest": lambda r: "" if r["relax"] is None else f"{r['relax']['hausdorff_held']:.4f}",
+    "at rest": lambda r: "" if r["relax"] is None else ("yes" if r["relax"]["converged"] else "no"),
+}
+"""Columns of the table after mesh and folder, and what each says of a result; ``problem`` is the last."""
+
+
+def table_texts(rows: Sequence[Row]) -> dict[str, str]:
+    """The contents of the two tables, without times: the same meshes and options give the same bytes."""
+    head = ["mesh", "folder", *COLUMNS, "problem"]
+    cells = [
+        [
+            row.mesh,
+            row.folder,
+            *(("" if row.result is None else str(say(row.result))) for say in COLUMNS.values()),
+            row.problem,
+        ]
+        for row in rows
+    ]
+    plain = io.StringIO()
+    writer = csv.writer(plain, lineterminator="\n")
+    writer.writerows([head, *cells])
+    ruled = [head, ["---"] * 2 + ["---:"] * len(COLUMNS) + ["---"], *cells]
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in ruled]
+    return {"table.csv": plain.getvalue(), "table.md": "\n".join(lines) + "\n"}

@@ -1,0 +1,114 @@
+"""The command that weaves many meshes: ``geoweave sweep``."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import count
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import click
+
+from geoweave.terminal import Surface, as_json, print_json, print_table, status, surfaces_options
+from geoweave.weaving import Asked, weave_options
+
+if TYPE_CHECKING:
+    from geoweave.sweep import Row
+
+
+@click.command()
+@surfaces_options
+@click.option(
+    "-o", "output", metavar="DIR", required=True, help="Folder for a folder per mesh and the table of them."
+)
+@click.option("--jobs", type=click.IntRange(min=1), help="Meshes woven at the same time on this machine (1).")
+@click.option(
+    "--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster that is there, such as tcp://host:8786."
+)
+@weave_options
+@as_json
+def sweep(
+    surfaces: tuple[Surface, ...],
+    output: str,
+    jobs: int | None,
+    dask: str | None,
+    asked: Asked,
+    as_json: bool,
+) -> NoReturn:
+    """Weave many meshes, each into a folder of its own, and make one table of them.
+
+    A mesh that is woven already, from the same file with the same options by the same version, is kept. One
+    that fails stops no other; the exit status is then 1.
+    """
+    if jobs is not None and dask is not None:
+        raise click.UsageError("--jobs and --dask exclude each other; give one of them")
+    from geoweave import sweep as engine
+    from geoweave.pools import check_dask
+    from geoweave.terminal import new_folder
+
+    folder = new_folder(output)
+    if dask is not None:
+        check_dask(dask)
+    start = time.perf_counter()
+    with _terminated(), status() as say:
+        say(f"weaving {len(surfaces)} meshes")
+        rows = engine.sweep(
+            surfaces, asked, folder, jobs=jobs or 1, dask=dask, callback=_lines(len(surfaces))
+        )
+    counts = {state: sum(row.state == state for row in rows) for state in ("done", "kept", "failed")}
+    for row in rows:
+        if row.fault:
+            print(row.fault, file=sys.stderr, end="")
+    tables = [str(Path(output) / name) for name in engine.TABLES]
+    if as_json:
+        result = {
+            "output": output,
+            "meshes": len(rows),
+            **counts,
+            "tables": tables,
+            "seconds": round(time.perf_counter() - start, 4),
+            "results": [_as_dict(row) for row in rows],
+        }
+        print_json(result)
+    else:
+        told = [(row.folder, row.sentence()) for row in rows]
+        ended = ", ".join(f"{count} {state}" for state, count in counts.items() if count)
+        print_table(f"{len(rows)} meshes: {ended}", [*told, ("written to", ", ".join(tables))])
+    sys.stdout.flush()
+    raise click.exceptions.Exit(1 if counts["failed"] else 0)
+
+
+@contextmanager
+def _terminated() -> Iterator[None]:
+    """Have what ends a batch job by SIGTERM tidy up as Ctrl-C does."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _lines(total: int) -> Callable[[Row], None] | None:
+    """On a terminal, write a line on stderr for each mesh as it is ready."""
+    if not sys.stderr.isatty():
+        return None
+    ended = count(1)
+
+    def line(row: Row) -> None:
+        print(f"[{next(ended)}/{total}] {row.folder}: {row.sentence()}", file=sys.stderr)
+
+    return line
+
+
+def _as_dict(row: Row) -> dict[str, Any]:
+    found = {"mesh": row.mesh, "folder": row.folder, "state": row.state}
+    return found | ({"problem": row.problem} if row.result is None else {"result": dict(row.result)})
