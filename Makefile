@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help figures notebooks test lint bench lock clean report
+.PHONY: help figures notebooks test lint bench lock clean report replicate
 
 PYTHON  ?= python3
 PROFILE ?= default
@@ -68,6 +68,9 @@ lint: $(STAMP) ## ruff and mypy, with what ruff can mend mended
 
 bench: $(STAMP) ## speed, memory and growth, as multiples of the limit
 	@$(PY) -m benchmarks
+
+replicate: $(STAMP) ## draw Fig. 7 into build/ and compare its numbers with the committed ones
+	@$(PY) scripts/replicate.py
 
 report: $(STAMP) ## write the claims into README.md, times and memory into REPRODUCING.md
 	@$(PY) -m geoweave.runner report
