@@ -16,6 +16,7 @@ from geoweave.drawing_pdf import PAPERS, laid_on_pages, page_stock, write_pdf
 from geoweave.drawing_svg import write_svg
 from geoweave.errors import FieldError
 from geoweave.flatdrawing import Drawn, drawn
+from geoweave.guide import guide_html
 from geoweave.inks import Colours
 from geoweave.nesting import Sheet, Stock, nested
 from geoweave.output import OutputError, chosen, written_together
@@ -35,6 +36,7 @@ FORMATS = {
     "dxf": "pattern.dxf, the same as DXF R2010",
     "pdf": "pattern-a4.pdf and pattern-letter.pdf, pages at true scale",
     "glb": "weave.glb, the woven object",
+    "guide": "guide.html, a page that shows how to put it together",
 }
 """What a pattern can be written as."""
 
@@ -95,6 +97,7 @@ def write(
     *,
     bench: Bench | None = None,
     weave: Weave | Mapping[str, Any] | None = None,
+    rest: Mapping[str, Any] | None = None,
 ) -> dict[str, Path]:
     """Write a pattern, all files together or none.
 
@@ -104,8 +107,9 @@ def write(
     folder : where to; it is made if it is not there, in a folder that is
     formats : names from `FORMATS`
     bench : how it is made
-    weave : the weave the pattern is of, or the contents of its ``weave.json``; needed for the GLB only, as a
-        pattern does not know where its ribbons are
+    weave : the weave the pattern is of, or the contents of its ``weave.json``; needed for the GLB and the
+        guide only, as a pattern does not know where its ribbons are
+    rest : the contents of ``relaxed.json`` if the pattern is of the weave at rest, which the guide then shows
 
     Returns
     -------
@@ -115,25 +119,31 @@ def write(
     Raises
     ------
     OutputError
-        If a format is unknown, the GLB is asked for without a weave, or a file cannot be written there.
+        If a format is unknown, GLB or guide are asked for without a weave, or a file cannot be written there.
     FieldError
-        If strips do not fit on the sheets, or their crossings are too dense to be labelled.
+        If strips do not fit on the sheets, their crossings are too dense to be labelled, or the weave is not
+        that of the pattern.
     """
     wanted, how = check_formats(formats), bench or Bench()
     if not wanted:
         raise OutputError(f"no format is asked for; the formats are {', '.join(FORMATS)}")
-    if "glb" in wanted and weave is None:
-        raise OutputError(
-            "the GLB needs the weave itself, as a pattern has no places in space; leave 'glb' out"
-        )
-    return written_together(_jobs(pattern, wanted, how, weave), folder)
+    for name, what in (("glb", "GLB"), ("guide", "guide")):
+        if name in wanted and weave is None:
+            raise OutputError(
+                f"the {what} needs the weave itself, as a pattern has no places in space; leave '{name}' out"
+            )
+    return written_together(_jobs(pattern, wanted, how, weave, rest), folder)
 
 
 _Job = Callable[[Path], None]
 
 
 def _jobs(
-    pattern: Pattern, wanted: tuple[str, ...], how: Bench, weave: Weave | Mapping[str, Any] | None
+    pattern: Pattern,
+    wanted: tuple[str, ...],
+    how: Bench,
+    weave: Weave | Mapping[str, Any] | None,
+    rest: Mapping[str, Any] | None,
 ) -> dict[str, _Job]:
     """What writes each file; everything that may be refused is refused here."""
     jobs: dict[str, _Job] = {}
@@ -161,6 +171,12 @@ def _jobs(
     if "glb" in wanted:
         assert weave is not None  # or it would have been refused
         jobs["weave.glb"] = _glb(weave, how.paper_colours)
+    if "guide" in wanted:
+        stands = rest or weave
+        assert stands is not None
+        jobs["guide.html"] = _text(
+            guide_html(pattern, stands, how.making, how.title, how.paper_colours, order)
+        )
     return jobs
 
 

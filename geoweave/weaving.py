@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
+from click.core import ParameterSource
 
+from geoweave.errors import FieldError
 from geoweave.terminal import (
     Positive,
     Say,
@@ -45,6 +47,8 @@ class Asked:
     thickness: float | None
     formats: tuple[str, ...]
     relax: bool
+    spare: tuple[str, ...] = ()
+    """Formats that nobody named, which a weave that they do not suit is written without."""
 
 
 class Made(NamedTuple):
@@ -110,8 +114,8 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             "--formats",
             default="json",
             metavar="json,rod,svg,pdf",
-            help="What to write, apart by commas: json (always), rod, pattern, csv, svg, dxf, pdf, glb; "
-            "those from pattern on need --size.",
+            help="What to write, apart by commas: json (always), rod, pattern, csv, svg, dxf, pdf, glb, "
+            "guide; those from pattern on need --size. By default json, and with --size guide.",
         ),
         click.option(
             "--no-relax",
@@ -169,10 +173,18 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
             seconds |= rest.seconds
         with timed(seconds, "write"):
             # A pattern is cut to the lengths at rest; it is laid out before anything is written.
-            strips = pattern_of(pattern if rest is None else rest.document()) if cut else None
+            lies = rest.document() if cut and rest is not None else None
+            strips = pattern_of(lies or pattern) if cut else None
             files = write_weave(pattern, folder, wanted, report, rest)
+            without: dict[str, str] = {}
             if strips is not None:
-                files |= fabrication.write(strips, folder, cut, weave=pattern)
+                bench = fabrication.Bench(title=Path(surface.name).stem)
+                try:
+                    files |= fabrication.write(strips, folder, cut, bench=bench, weave=pattern, rest=lies)
+                except FieldError as error:
+                    if set(cut) - set(asked.spare):
+                        raise
+                    without = {name: str(error) for name in cut}
     seconds["total"] = sum(seconds.values())
     result = {
         "mesh": surface.name,
@@ -197,6 +209,7 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
         "repairs": prepared.report.as_dict(),
         "output": str(files["weave.json"]),
         "files": [str(path) for path in files.values()],
+        "left_out": without,
     }
     return Made(result, prepared, pattern, report)
 
@@ -211,6 +224,9 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
 def weave(surface: Surface, output: str, asked: Asked, as_json: bool) -> None:
     """Design a weave: ribbons along geodesics, their crossings, over and under."""
     folder = new_folder(output)
+    given = click.get_current_context().get_parameter_source("formats")
+    if asked.size is not None and given is ParameterSource.DEFAULT:
+        asked = replace(asked, formats=("json", "guide"), spare=("guide",))
     with status() as say:
         made = woven(surface, asked, folder, say)
     if as_json:
@@ -259,6 +275,7 @@ def _rows(
     rows += [("hard places", "none") if not report.places else ("hard places", "")]
     rows += [(f"  {kind.replace('_', ' ')}", _worst(kind, report)) for kind, n in report.counts.items() if n]
     rows += [
+        *((f"no {name}", reason) for name, reason in result["left_out"].items()),
         ("seconds", ", ".join(f"{key} {value:.2f}" for key, value in result["seconds"].items())),
         ("written to", ", ".join(result["files"])),
     ]

@@ -290,6 +290,34 @@ def test_weave_of_a_size_with_rods_for_a_number_of_ribbons(run, ball, tmp_path):
     assert (tmp_path / "again" / "report.json").read_bytes() == (folder / "report.json").read_bytes()
 
 
+def test_weave_of_a_size_comes_with_a_guide(run, ball, tmp_path):
+    ask = ("weave", ball, "--ribbons", 12, "--faces", 1500)
+    folder = tmp_path / "woven"
+    status, out, _ = run(*ask, "--size", 200, "--json", "-o", folder)
+    assert status == 0
+    assert json.loads(out)["left_out"] == {}
+    assert sorted(each.name for each in folder.iterdir()) == [
+        "guide.html",
+        "relaxed.json",
+        "report.json",
+        "weave.json",
+    ]
+    page = (folder / "guide.html").read_text(encoding="utf-8")
+    assert f"<title>{ball.stem}: how to weave it</title>" in page
+    # It shows the weave at rest, whose lengths the strips have.
+    rest = json.loads((folder / "relaxed.json").read_text())
+    held = json.loads(page.split('<script id="content" type="application/json">')[1].split("</script>")[0])
+    lengths = [ribbon["length"] for ribbon in rest["ribbons"]]
+    np.testing.assert_allclose(held["shape"]["lengths"], lengths, atol=0.1)  # mm
+    np.testing.assert_allclose([strip[3] for strip in held["strips"]], lengths, atol=1e-3)
+    # Strips too small for letters: it says why there is no guide; one that is asked for is refused.
+    tiny = (*ask, "--no-relax", "--size", 3)
+    status, out, _ = run(*tiny, "-o", tmp_path / "tiny")
+    assert (status, "no guide" in out) == (0, True)
+    assert sorted(each.name for each in (tmp_path / "tiny").iterdir()) == ["report.json", "weave.json"]
+    assert refused(run(*tiny, "--formats", "guide", "-o", tmp_path / "none"), "ribbons")
+
+
 def test_weave_relaxes_unless_told_not_to(run, ball, tmp_path):
     ask = ("weave", ball, "--faces", 1500, "--ribbons", 15)
     status, out, _ = run(*ask, "-o", tmp_path / "woven")

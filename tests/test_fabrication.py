@@ -23,6 +23,7 @@ ALL = {
     "pattern-a4.pdf",
     "pattern-letter.pdf",
     "weave.glb",
+    "guide.html",
 }
 
 

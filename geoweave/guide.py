@@ -1,0 +1,151 @@
+"""``guide.html``: how to weave the object, strip by strip and crossing by crossing (Section 5.4).
+
+One page that needs nothing but itself. It shows the weave in space, the strip in hand as it was cut, and one
+thing to do at a time, in the order of `geoweave.assembly`; it remembers where the maker was.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import html
+import json
+from collections.abc import Mapping
+from importlib.resources import files
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+from geoweave.assembly import Step, assembly
+from geoweave.errors import FieldError
+from geoweave.guide_data import drawings, shape
+from geoweave.guide_library import three_js
+from geoweave.inks import Colours
+from geoweave.marks import MARKS, outline
+from geoweave.output import replacing
+from geoweave.pattern import Pattern
+from geoweave.pieces import Making
+
+if TYPE_CHECKING:
+    from geoweave.woven import Weave
+
+__all__ = ["guide_content", "guide_html", "write_guide"]
+
+PARTS = ("guide.html", "guide.css", "guide_steps.js", "guide_strip.js", "guide_space.js", "guide.js")
+"""What the page is put together from, in ``geoweave/data``."""
+
+SPOKEN = {"half": "half disc"}
+"""Marks whose names say too little in a sentence."""
+
+
+def write_guide(
+    path: str | PathLike[str],
+    pattern: Pattern,
+    weave: Weave | Mapping[str, Any],
+    making: Making | None = None,
+    title: str = "weave",
+    colours: Colours | None = None,
+) -> None:
+    """Write ``guide.html``, whole or not at all."""
+    text = guide_html(pattern, weave, making, title, colours)
+    with replacing(path) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def guide_html(
+    pattern: Pattern,
+    weave: Weave | Mapping[str, Any],
+    making: Making | None = None,
+    title: str = "weave",
+    colours: Colours | None = None,
+    order: tuple[Step, ...] | None = None,
+) -> str:
+    """The text of the page; same pattern and weave, same text.
+
+    Parameters
+    ----------
+    pattern : the strips
+    weave : the weave that the pattern is of, as it will stand, or the contents of its ``weave.json`` or
+        ``relaxed.json``
+    making : what is added to the strips
+    title : of the page
+    colours : of the families
+    order : of assembly
+
+    Raises
+    ------
+    FieldError
+        If the weave is not that of the pattern, or crossings are too dense to be labelled.
+    OutputError
+        If three.js is not to be had.
+    """
+    document = weave if isinstance(weave, Mapping) else weave.document()
+    content = guide_content(
+        pattern,
+        document,
+        making or Making(),
+        title,
+        colours or Colours("paper"),
+        order or assembly(pattern),
+    )
+    library = three_js()
+    page, *rest = (files("geoweave").joinpath("data", name).read_text(encoding="utf-8") for name in PARTS)
+    style, scripts = rest[0], rest[1:]
+    # "</" would end the element that holds it.
+    data = json.dumps(content, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    parts = {
+        "TITLE": html.escape(title),
+        "LICENCE": f"three.js r{library.release}\n\n{library.licence}",
+        "STYLE": style,
+        "CONTENT": data,
+        "LIBRARY": library.source,
+        "SCRIPT": "\n".join(scripts),
+    }
+    text = ""
+    for name, value in parts.items():
+        # What has been put in is not looked through for the next place.
+        before, mark, page = page.partition(f"@{name}@")
+        if not mark:
+            raise FieldError(f"guide.html: its template has no place for {name}; install geoweave anew")
+        text += before + value
+    return text + page
+
+
+def guide_content(
+    pattern: Pattern,
+    document: Mapping[str, Any],
+    making: Making,
+    title: str,
+    colours: Colours,
+    order: tuple[Step, ...],
+) -> dict[str, Any]:
+    """What the page knows of the weave, without text and looks."""
+    found = shape(document, [each.label for each in pattern.strips])
+    plain = {"pattern": pattern.document(), "making": vars(making), "order": order}
+    key = hashlib.sha256(json.dumps(plain, separators=(",", ":"), allow_nan=False).encode()).hexdigest()
+    return {
+        "title": title,
+        "key": key[:16],
+        "width": round(float(document["width"]), 4),
+        "thickness": round(float(document["thickness"]), 4),
+        "overlap": making.overlap,
+        "families": list(colours.families),
+        "marks": [
+            {"name": SPOKEN.get(name, name), "outline": outline(k).round(3).tolist()}
+            for k, name in enumerate(MARKS)
+        ],
+        "strips": [[each.label, each.family, each.closed, round(each.length, 3)] for each in pattern.strips],
+        # For each crossing: strips, places on them, angle, which is over, mark, round.
+        "crossings": [
+            [
+                *pattern.ribbons[x].tolist(),
+                *(round(each, 3) for each in pattern.at[x].tolist()),
+                round(float(pattern.angle[x]), 2),
+                int(pattern.over[x]),
+                int(pattern.mark[x]),
+                int(pattern.round[x]),
+            ]
+            for x in range(len(pattern.ribbons))
+        ],
+        "order": [[step.strip, int(step.backbone), list(step.crossings)] for step in order],
+        "drawings": drawings(pattern, making, colours),
+        "shape": found,
+    }
