@@ -384,7 +384,9 @@ class Space {
     camera.lookAt(this.target);
     camera.near = Math.max(this.distance - 1.6 * this.radius - this.target.distanceTo(this.middle), 0.02 * this.distance);
     camera.far = this.distance + 2 * this.radius + this.target.distanceTo(this.middle);
-    camera.updateProjectionMatrix();
+    // Beside the second view, not behind it.
+    const aside = this.mark && this.lens ? 0.4 * this.lens()[2] : 0;
+    camera.setViewOffset(wide, tall, aside, 0, wide, tall);
     camera.updateMatrixWorld();
     const depth = this.middle.clone().sub(camera.position).dot(d.clone().negate());
     this.shared.haze.value.set(depth - 0.1 * this.radius, depth + 1.15 * this.radius);

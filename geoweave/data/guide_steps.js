@@ -41,8 +41,8 @@ function millimetres(value) {
   return `${value.toLocaleString("en", { maximumFractionDigits: value < 100 ? 1 : 0 })} mm`;
 }
 
-function many(count, one, several) {
-  return `${count.toLocaleString("en")} ${count === 1 ? one : several || one + "s"}`;
+function many(count, one) {
+  return count === 1 ? `one ${one}` : `${count.toLocaleString("en")} ${one}s`;
 }
 
 // What a step says: where, the sentence as parts of text and tags, and facts of [strip, text].
