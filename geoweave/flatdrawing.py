@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from geoweave.clipping import clipped, dashes, outside, rectangle, within
 from geoweave.errors import FieldError
-from geoweave.lettering import PEN, Board, Box, boxes_overlap, text_strokes
+from geoweave.lettering import PEN, Board, Box, boxes_overlap, text_box, text_strokes
 from geoweave.marks import outline
 from geoweave.pattern import Passage, Pattern
 from geoweave.pieces import Making, Piece, shown
@@ -387,7 +387,7 @@ class _Drawing:
     @staticmethod
     def _box(text: str, height: float) -> Box:
         """What a text about the origin takes up, with half a gap between letters on either side."""
-        return text_strokes(text, height, 0.0, 0.0)[1].wider(0.12 * height)
+        return text_box(text, height).wider(0.12 * height)
 
     def _write(
         self, role: Role, text: str, height: float, x: float, y: float, family: int, crossing: int = -1

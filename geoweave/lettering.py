@@ -6,7 +6,7 @@ of its points, the same in every file. Letters are one line wide, capital letter
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import frozen
 from geoweave.errors import FieldError
 
-__all__ = ["PEN", "Board", "Box", "boxes_overlap", "text_strokes", "text_width"]
+__all__ = ["PEN", "Board", "Box", "boxes_overlap", "text_box", "text_strokes", "text_width"]
 
 PEN = 0.11
 """Width of the pen in heights of a capital letter; boxes hold the pen."""
@@ -25,6 +25,9 @@ GAP = 0.24
 
 SPACE = 0.35
 """Width of a blank, in heights."""
+
+COLUMN = 8.0
+"""Width of the columns by which boxes are found again, mm: about that of a label."""
 
 Strokes = tuple[NDArray[np.float64], ...]
 
@@ -133,6 +136,31 @@ def text_strokes(text: str, height: float, x: float, y: float) -> tuple[Strokes,
     FieldError
         If there is no such letter.
     """
+    strokes, middle, _, _ = _whole(text)
+    moved = tuple((stroke - middle) * height + [x, y] for stroke in strokes)
+    return moved, text_box(text, height).moved(x, y)
+
+
+def text_box(text: str, height: float) -> Box:
+    """Box of a text about the origin, with its pen; see `text_strokes`."""
+    _, _, low, high = _whole(text)
+    by = 0.5 * PEN * height
+    return Box(low[0] * height - by, low[1] * height - by, high[0] * height + by, high[1] * height + by)
+
+
+class _Laid(NamedTuple):
+    """A text of height 1."""
+
+    strokes: Strokes
+    middle: NDArray[np.float64]
+    low: tuple[float, float]
+    """Corners of what is drawn about the middle, without the pen."""
+    high: tuple[float, float]
+
+
+@lru_cache(maxsize=4096)
+def _whole(text: str) -> _Laid:
+    """Lay a text out, once for all the places that are tried for it."""
     strokes, _ = _laid(text)
     if not strokes:
         raise FieldError("there is nothing to write")
@@ -141,9 +169,8 @@ def text_strokes(text: str, height: float, x: float, y: float) -> tuple[Strokes,
     # Centred by its drawn extent across, but by the height of a capital letter up and down: lines of text
     # keep one height whether or not a stroke goes below the line.
     middle = np.array([0.5 * (low[0] + high[0]), 0.5])
-    moved = tuple((stroke - middle) * height + [x, y] for stroke in strokes)
-    low, high = (low - middle) * height + [x, y], (high - middle) * height + [x, y]
-    return moved, Box(float(low[0]), float(low[1]), float(high[0]), float(high[1])).grown(0.5 * PEN * height)
+    (left, bottom), (right, top) = (low - middle).tolist(), (high - middle).tolist()
+    return _Laid(tuple(frozen(stroke) for stroke in strokes), frozen(middle), (left, bottom), (right, top))
 
 
 def _laid(text: str) -> tuple[list[NDArray[np.float64]], float]:
@@ -207,21 +234,21 @@ class Board:
 
     def __init__(self, left: float, right: float, pad: float) -> None:
         self.left, self.right, self.pad = left, right, pad
-        self._taken = np.empty((64, 4))
-        self._count = 0
+        self._columns: dict[int, list[Box]] = {}
 
     def free(self, box: Box) -> bool:
         """Whether a box lies between left and right and keeps its distance from all that is there."""
         if box.left < self.left or box.right > self.right:
             return False
-        left, bottom, right, top = self._taken[: self._count].T
-        wide = box.grown(self.pad)
-        meets = (left < wide.right) & (wide.left < right) & (bottom < wide.top) & (wide.bottom < top)
-        return not bool(meets.any())
+        left, bottom, right, top = box.grown(self.pad)
+        # Boxes that overlap share a column, so no others need to be asked.
+        for column in range(int(left // COLUMN), int(right // COLUMN) + 1):
+            for other in self._columns.get(column, ()):
+                if other[0] < right and left < other[2] and other[1] < top and bottom < other[3]:
+                    return False
+        return True
 
     def take(self, box: Box) -> None:
         """Put a box down."""
-        if self._count == len(self._taken):
-            self._taken = np.concatenate([self._taken, np.empty_like(self._taken)])
-        self._taken[self._count] = box
-        self._count += 1
+        for column in range(int(box.left // COLUMN), int(box.right // COLUMN) + 1):
+            self._columns.setdefault(column, []).append(box)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from geoweave.errors import FieldError
-from geoweave.lettering import PEN, Board, Box, boxes_overlap, text_strokes, text_width
+from geoweave.lettering import PEN, Board, Box, boxes_overlap, text_box, text_strokes, text_width
 
 
 def test_the_box_holds_the_strokes_and_the_pen() -> None:
@@ -20,6 +20,15 @@ def test_the_box_holds_the_strokes_and_the_pen() -> None:
         np.testing.assert_allclose(points.min(axis=0) - 1.5 * PEN, box[:2])
         np.testing.assert_allclose(points.max(axis=0) + 1.5 * PEN, box[2:])
         assert 0.5 * (box.left + box.right) == pytest.approx(10.0)
+
+
+def test_the_box_is_the_same_wherever_the_text_stands() -> None:
+    for text, height in (("A1", 3.0), ("B12/2", 1.3), ("Q >", 4.5)):
+        box = text_box(text, height)
+        _, there = text_strokes(text, height, 7.0, -3.0)
+        np.testing.assert_allclose(there, box.moved(7.0, -3.0))
+    with pytest.raises(FieldError, match="nothing to write"):
+        text_box(" ", 3.0)
 
 
 def test_letters_are_of_one_height_and_differ() -> None:
@@ -33,6 +42,19 @@ def test_letters_are_of_one_height_and_differ() -> None:
         seen.append((letter, dots))
     for (one, a), (other, b) in combinations(seen, 2):
         assert len(a & b) < 0.9 * len(a | b), (one, other)
+
+
+def test_boxes_are_found_over_any_distance() -> None:
+    """A box as long as a strip, one as thin as a line, and what lies on either side of zero."""
+    board = Board(-1000.0, 1000.0, 0.5)
+    board.take(Box(-900.0, 0.0, 900.0, 1.0))
+    board.take(Box(950.0, -5.0, 950.0, 5.0))
+    for x in (-899.0, -8.0, -0.1, 0.0, 7.9, 8.0, 899.0):
+        assert not board.free(Box(x, 0.9, x + 0.1, 2.0))
+        assert not board.free(Box(x, 1.4, x + 0.1, 2.0))
+        assert board.free(Box(x, 1.5, x + 0.1, 2.0))
+    assert not board.free(Box(940.0, 0.0, 949.6, 1.0))
+    assert board.free(Box(940.0, 0.0, 949.5, 1.0))
 
 
 def _dense(stroke: np.ndarray) -> np.ndarray:
@@ -57,5 +79,5 @@ def test_free_boxes_meet_nothing() -> None:
         if free:
             board.take(box)
             put.append(box)
-    assert len(put) > 64  # the board grew
+    assert len(put) > 64
     assert not any(boxes_overlap(one, other) for one, other in combinations(put, 2))
