@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from reportlab.pdfgen.canvas import Canvas
 from reportlab.pdfgen.pathobject import PDFPathObject
 
+from geoweave.errors import FieldError
 from geoweave.flatdrawing import LAYERS, ROLES, Drawn, Figure
 from geoweave.inks import INK, Colours, ink, mixed
 from geoweave.marks import outline
@@ -216,6 +217,11 @@ def _map(
     """All pages, small, with their strips; this one in a frame."""
     right, top, high = paper.width - MARGIN - 2, MARGIN + FOOT - 2.6, 13.0
     left = 190.0
+    if right - left < high:
+        raise FieldError(
+            f"a page {paper.width:g} mm wide has no room for the map of pages beside the ruler; "
+            f"take one of {left + high + MARGIN + 2:g} mm or more"
+        )
     ratio = paper.width / paper.height
     rows = 1
     while math.ceil(len(pages) / rows) * (high / rows) * ratio > right - left:

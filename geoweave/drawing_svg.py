@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import re
 from os import PathLike
+from pathlib import Path
+from typing import NamedTuple
+from xml.etree import ElementTree
 from xml.sax.saxutils import escape, quoteattr
 
+import numpy as np
+
+from geoweave.errors import FieldError
 from geoweave.flatdrawing import LAYERS, ROLES, Figure
 from geoweave.inks import Colours, ink
 from geoweave.nesting import Laid, Sheet
 from geoweave.output import replacing
 from geoweave.pattern import Pattern
 
-__all__ = ["svg_text", "write_svg"]
+__all__ = ["MarkSeen", "read_svg", "svg_text", "write_svg"]
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
 
@@ -88,3 +95,51 @@ def _number(value: float) -> str:
     """Millimetres to a tenth of a micrometre, without trailing zeros."""
     text = f"{value:.4f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
+
+
+class MarkSeen(NamedTuple):
+    """A mark as it is found in a drawing."""
+
+    crossing: int
+    """The crossing that it belongs to."""
+    strip: str
+    """Label of the strip that it stands on."""
+    role: str
+    """"hollow" where the strip lies over, "solid" where it lies under."""
+    outline: tuple[float, ...]
+    """x and y of its corners about their mean, in heights of the mark: the same at any place and size."""
+
+
+def read_svg(path: str | PathLike[str]) -> tuple[dict[str, float], tuple[MarkSeen, ...]]:
+    """Read back what a drawing says: how long each strip is that it cuts, and the marks.
+
+    Returns
+    -------
+    tuple
+        Length of the outlines of each strip in mm, by its label, and the marks; one that is repeated on the
+        tab of a closed strip is listed once.
+
+    Raises
+    ------
+    FieldError
+        If the file is no SVG.
+    """
+    name = Path(path).name
+    try:
+        root = ElementTree.parse(path).getroot()
+    except ElementTree.ParseError as error:
+        raise FieldError(f"{name}: cannot be read as an SVG ({error}); write it anew") from error
+    space = root.tag.removesuffix("svg")
+    lengths: dict[str, float] = {}
+    marks: dict[MarkSeen, None] = {}
+    for group in root.iter(f"{space}g"):
+        layer, _, strip = group.get("id", "").partition("-")
+        for each in group.findall(f"{space}path"):
+            points = np.array(re.findall(r"-?[0-9.]+", each.get("d", "")), dtype=np.float64).reshape(-1, 2)
+            role = each.get("class", "")
+            if layer == "cut":
+                lengths[strip] = lengths.get(strip, 0.0) + float(np.ptp(points[:, 0]))
+            if role in ("hollow", "solid"):
+                shape = np.round((points - points.mean(axis=0)) / np.ptp(points[:, 1]), 1) + 0.0
+                marks[MarkSeen(int(each.get("data-crossing", -1)), strip, role, tuple(shape.ravel()))] = None
+    return lengths, tuple(marks)

@@ -11,7 +11,8 @@ import pypdfium2.raw as raw
 import pytest
 from numpy.typing import NDArray
 
-from geoweave.drawing_pdf import CROSS, PAPERS, RULER, laid_on_pages, page_stock, pdf_bytes
+from geoweave.drawing_pdf import CROSS, PAPERS, RULER, Paper, laid_on_pages, page_stock, pdf_bytes
+from geoweave.errors import FieldError
 from geoweave.flatdrawing import drawn
 from geoweave.inks import INK, Colours
 from geoweave.nesting import Sheet
@@ -158,3 +159,9 @@ def test_over_and_under_differ_at_a_glance() -> None:
 def test_the_same_weave_gives_the_same_bytes() -> None:
     again = pdf_bytes(patterns()["flat"], pages("flat", "a4"), PAPERS["a4"], Colours("paper"), "The flat")
     assert again == data("flat", "a4")
+
+
+def test_a_page_without_room_for_its_foot_is_refused() -> None:
+    paper = Paper("a strip of paper", 120.0, 200.0)
+    with pytest.raises(FieldError, match=r"a page 120 mm wide has no room .* take one of 217 mm or more"):
+        pdf_bytes(patterns()["flat"], pages("flat", "a4"), paper, Colours("paper"), "narrow")

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from geoweave.drawing_svg import svg_text, write_svg
+from geoweave.drawing_svg import read_svg, svg_text, write_svg
+from geoweave.errors import FieldError
 from geoweave.flatdrawing import drawn
 from geoweave.inks import Colours
 from geoweave.lettering import Box, boxes_overlap
@@ -141,3 +142,29 @@ def test_the_same_weave_gives_the_same_bytes(tmp_path: Path) -> None:
     for name in ("one.svg", "two.svg"):
         write_svg(tmp_path / name, patterns()["cone"], sheet("cone"), Colours(), "cone")
     assert (tmp_path / "one.svg").read_bytes() == (tmp_path / "two.svg").read_bytes()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_drawn_is_read(name: str, tmp_path: Path) -> None:
+    pattern, path = patterns()[name], tmp_path / "drawn.svg"
+    path.write_text(svg_text(pattern, sheet(name), Colours(), name), encoding="utf-8")
+    lengths, marks = read_svg(path)
+    for strip in pattern.strips:
+        tab = Making().overlap if strip.closed else 0.0
+        assert lengths[strip.label] - tab == pytest.approx(strip.length, abs=0.01)
+    upper = {
+        (x, pattern.strips[pair[side]].label, "hollow" if pattern.over[x] == side else "solid")
+        for x, pair in enumerate(pattern.ribbons)
+        for side in (0, 1)
+    }
+    assert not {each[:3] for each in marks} ^ upper
+    shapes = [{each.outline for each in marks if each.crossing == x} for x in range(len(pattern.ribbons))]
+    assert all(len(each) == 1 for each in shapes)
+    assert len(set.union(*shapes)) == len(set(pattern.mark.tolist()))
+
+
+def test_what_is_no_svg_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "text.svg"
+    path.write_text("<svg><g>")
+    with pytest.raises(FieldError, match=r"text.svg: cannot be read as an SVG"):
+        read_svg(path)

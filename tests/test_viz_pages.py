@@ -11,6 +11,7 @@ from reportlab.pdfgen.canvas import Canvas
 from geoweave import viz
 from geoweave.errors import RenderError
 from geoweave.viz import style
+from tests.laidflat import patterns
 
 MM = 72 / 25.4
 
@@ -70,3 +71,17 @@ def test_what_is_no_page_is_refused(sheet: Path, tmp_path: Path) -> None:
 def test_pages_and_scenes_share_a_gallery(sheet: Path) -> None:
     picture = viz.gallery([viz.Page(sheet, 1), viz.Page(sheet, 2)], [("one", ""), ("two", "")], alt="Pages")
     assert picture.alt == "Pages"
+
+
+def test_parts_of_strips_lie_under_each_other(tmp_path: Path) -> None:
+    pattern = patterns()["flat"]
+    page = viz.strips_page(tmp_path / "near.pdf", pattern, [0, 4], [75.0, 60.0], 30.0)
+    assert page.aspect == pytest.approx(60.0 / (3 * 2 * pattern.width))
+    pixels = page.draw(480).astype(int)
+    dark = (pixels.sum(axis=2) < 150).mean(axis=1) > 0.9  # the edges of two strips, right across
+    edges = np.flatnonzero(np.diff(dark.astype(int)) == 1) * 6 * pattern.width / 480
+    assert edges[1] - edges[0] == pytest.approx(pattern.width, abs=0.2)
+    assert edges[2] - edges[0] == pytest.approx(2 * pattern.width, abs=0.2)
+    assert len(edges) == 4
+    with pytest.raises(RenderError, match=r"2 strips cannot be drawn about 1 middles"):
+        viz.strips_page(tmp_path / "near.pdf", pattern, [0, 4], [75.0], 30.0)

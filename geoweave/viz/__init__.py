@@ -26,7 +26,7 @@ from geoweave.viz.gallery import (
     streamline_gallery,
 )
 from geoweave.viz.layout import gallery
-from geoweave.viz.pages import Page
+from geoweave.viz.pages import Page, strips_page
 from geoweave.viz.periodic import Periodic, add_theta, periodic_gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.publishing import mesh_digest, provenance, publish
@@ -120,6 +120,7 @@ __all__ = [
     "stacked_sheets",
     "streamline_gallery",
     "strips",
+    "strips_page",
     "theta_scene",
     "weave_gallery",
     "weave_scene",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +14,13 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from PIL import Image
 
+from geoweave.drawing_pdf import FOOT, MARGIN, PAPERS, Paper, write_pdf
 from geoweave.errors import RenderError
+from geoweave.flatdrawing import drawn
+from geoweave.inks import Colours
+from geoweave.nesting import Laid, Sheet
+from geoweave.pattern import Pattern
+from geoweave.pieces import Making, pieces_of
 from geoweave.viz import style
 from geoweave.viz.scene import Pixels
 
@@ -119,3 +125,43 @@ def _opened(what: Page) -> Iterator[Any]:
         yield document[what.number - 1]
     finally:
         document.close()
+
+
+def strips_page(
+    path: str | PathLike[str],
+    pattern: Pattern,
+    which: Sequence[int],
+    middles: Sequence[float],
+    reach: float,
+    gap: float = 1.0,
+) -> Page:
+    """Draw parts of some strips under each other, as they are printed, and return the page that shows them.
+
+    Parameters
+    ----------
+    path : the PDF that is written
+    pattern : whose strips
+    which : numbers of the strips, from the top down
+    middles : the place on each that lies in the middle of the picture, mm from its start
+    reach : mm of strip on either side of it
+    gap : between two strips, in widths of a strip
+
+    Raises
+    ------
+    RenderError
+        If there is no strip, or not one middle for each.
+    """
+    if not len(which) or len(which) != len(middles):
+        raise RenderError(f"{len(which)} strips cannot be drawn about {len(middles)} middles")
+    making, pitch = Making(), (1.0 + gap) * pattern.width
+    pieces = pieces_of(pattern, making)
+    tall = (len(which) + gap) * pitch
+    laid = tuple(
+        Laid(drawn(pattern, pieces[r], making), reach - middle, tall - (row + 0.5 + 0.5 * gap) * pitch)
+        for row, (r, middle) in enumerate(zip(which, middles, strict=True))
+    )
+    paper = Paper("", max(2 * (reach + MARGIN), PAPERS["a4"].width), tall + 2 * MARGIN + FOOT)
+    sheet = Sheet(paper.width, paper.height, laid)
+    write_pdf(path, pattern, [sheet], paper, Colours("paper"), "strips")
+    crop = (MARGIN, paper.height - MARGIN - FOOT - tall, MARGIN + 2 * reach, paper.height - MARGIN - FOOT)
+    return Page(path, crop=crop, frame=False)
