@@ -109,7 +109,7 @@ def write(
     bench : how it is made
     weave : the weave the pattern is of, or the contents of its ``weave.json``; needed for the GLB and the
         guide only, as a pattern does not know where its ribbons are
-    rest : the contents of ``relaxed.json`` if the pattern is of the weave at rest, which the guide then shows
+    rest : the contents of ``relaxed.json`` if the pattern is of the weave at rest; GLB and guide then show it
 
     Returns
     -------
@@ -168,11 +168,11 @@ def _jobs(
             pages = laid_on_pages(_drawings(pattern, how, page_stock(paper).room), paper)
             _few(pages)
             jobs[f"pattern-{key}.pdf"] = _pdf(pattern, pages, key, how)
+    stands = rest or weave
     if "glb" in wanted:
-        assert weave is not None  # or it would have been refused
-        jobs["weave.glb"] = _glb(weave, how.paper_colours)
+        assert stands is not None  # or it would have been refused
+        jobs["weave.glb"] = _glb(stands, how.paper_colours)
     if "guide" in wanted:
-        stands = rest or weave
         assert stands is not None
         jobs["guide.html"] = _text(
             guide_html(pattern, stands, how.making, how.title, how.paper_colours, order)

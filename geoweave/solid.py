@@ -67,11 +67,11 @@ def write_glb(
 
 
 def solid_ribbons(weave: Weave | Mapping[str, Any], step: float = 0.25) -> tuple[Ribbon, ...]:
-    """Give every ribbon its width and thickness, half a thickness and a little up or down at each crossing.
+    """Give every ribbon its width and thickness, and as much up or down at each crossing as it takes.
 
     Parameters
     ----------
-    weave : a weave, or the contents of ``weave.json``
+    weave : a weave, or the contents of ``weave.json`` or ``relaxed.json``
     step : between cross sections, in widths
 
     Raises
@@ -86,11 +86,14 @@ def solid_ribbons(weave: Weave | Mapping[str, Any], step: float = 0.25) -> tuple
 
 
 def courses(weave: Weave | Mapping[str, Any], step: float = 0.25) -> tuple[Course, ...]:
-    """Follow every ribbon, half a thickness and a little up or down at each crossing.
+    """Follow every ribbon, as far up or down at each crossing as it takes to lie clear of the other one.
+
+    On a surface, where ribbons go through each other, that is half a thickness and a little; at rest they lie
+    a thickness apart already.
 
     Parameters
     ----------
-    weave : a weave, or the contents of ``weave.json``
+    weave : a weave, or the contents of ``weave.json`` or ``relaxed.json``
     step : between cross sections, in widths
 
     Raises
@@ -101,15 +104,22 @@ def courses(weave: Weave | Mapping[str, Any], step: float = 0.25) -> tuple[Cours
     document = weave if isinstance(weave, Mapping) else weave.document()
     if document.get("format") != "geoweave-weave":
         raise FieldError("weave.json: is not a geoweave-weave; write it with 'geoweave weave'")
-    width, thickness = float(document["width"]), float(document["thickness"])
-    lifts: list[list[tuple[float, float]]] = [[] for _ in document["ribbons"]]
+    width, clear = float(document["width"]), CLEAR * float(document["thickness"])
+    lines = [_Line.of(ribbon) for ribbon in document["ribbons"]]
+    lifts: list[list[tuple[float, float]]] = [[] for _ in lines]
     for each in document["crossings"]:
-        for side in (0, 1):
-            up = 0.5 * CLEAR * thickness * (1 if each["over_index"] == side else -1)
-            lifts[each["ribbons"][side]].append((float(each["arclength"][side]), up))
+        pair = [lines[r] for r in each["ribbons"]]
+        where = [line.at[-1] * s / line.length for line, s in zip(pair, each["arclength"], strict=True)]
+        up = sum(line.normal(s) for line, s in zip(pair, where, strict=True))
+        apart = pair[0].point(where[0]) - pair[1].point(where[1])
+        # A weave at rest has its ribbons over each other already; what is there is not lifted again.
+        sign = 1 if each["over_index"] == 0 else -1
+        there = sign * float(apart @ up) / max(float(np.linalg.norm(up)), 1e-12)
+        lift = 0.5 * sign * max(clear - there, 0.0)
+        for r, s, way in zip(each["ribbons"], where, (1, -1), strict=True):
+            lifts[r].append((s, way * lift))
     return tuple(
-        _course(ribbon, sorted(lift), width, step * width)
-        for ribbon, lift in zip(document["ribbons"], lifts, strict=True)
+        _course(line, sorted(lift), width, step * width) for line, lift in zip(lines, lifts, strict=True)
     )
 
 
@@ -189,14 +199,41 @@ def _material(family: int, colour: str) -> dict[str, Any]:
     }
 
 
-def _course(ribbon: Mapping[str, Any], lift: list[tuple[float, float]], width: float, step: float) -> Course:
-    points, normals = (np.array(ribbon[key], dtype=np.float64) for key in ("points", "normals"))
-    closed = bool(ribbon["closed"])
-    if closed:
-        points = np.concatenate([points, points[:1]])
-        normals = np.concatenate([normals, normals[:1]])  # one more than there are segments, as on open ones
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    at = np.concatenate([[0.0], np.cumsum(steps)])
+class _Line(NamedTuple):
+    """A ribbon as it is read; a closed one ends where it begins."""
+
+    label: str
+    family: int
+    closed: bool
+    length: float
+    """As the file says: at rest it may differ from that of the line by what is stretched."""
+    at: Scalars
+    points: Vectors
+    normals: Vectors
+
+    @classmethod
+    def of(cls, ribbon: Mapping[str, Any]) -> _Line:
+        points, normals = (np.array(ribbon[key], dtype=np.float64) for key in ("points", "normals"))
+        closed = bool(ribbon["closed"])
+        if closed:
+            points, normals = np.concatenate([points, points[:1]]), np.concatenate([normals, normals[:1]])
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        at = np.concatenate([[0.0], np.cumsum(steps)])
+        about = str(ribbon["label"]), int(ribbon["family"]), closed, float(ribbon["length"])
+        return cls(*about, at, points, normals)
+
+    def point(self, s: float) -> Vectors:
+        """(3,) the point at a length along the line."""
+        return np.array([np.interp(s, self.at, self.points[:, axis]) for axis in range(3)])
+
+    def normal(self, s: float) -> Vectors:
+        """(3,) the normal of the segment there."""
+        segment = int(np.searchsorted(self.at, s, side="right")) - 1
+        return np.asarray(self.normals[min(max(segment, 0), len(self.at) - 2)])
+
+
+def _course(line: _Line, lift: list[tuple[float, float]], width: float, step: float) -> Course:
+    at, points, normals, closed = line.at, line.points, line.normals, line.closed
     even = np.linspace(0.0, at[-1], max(round(at[-1] / step), 2) + 1)
     # A cross section at every crossing, as heights peak there.
     met = np.array([s for s, _ in lift if 0.1 * step < s < at[-1] - 0.1 * step])
@@ -216,7 +253,7 @@ def _course(ribbon: Mapping[str, Any], lift: list[tuple[float, float]], width: f
     side = np.cross(up, ahead)
     height = _heights(where, lift, at[-1], width, closed)
     lifted = centre + height[:, None] * up
-    return Course(str(ribbon["label"]), int(ribbon["family"]), closed, where, lifted, side, up, ahead)
+    return Course(line.label, line.family, closed, where, lifted, side, up, ahead)
 
 
 def _mean_normals(where: Scalars, at: Scalars, normals: Vectors, reach: float, closed: bool) -> Vectors:

@@ -13,6 +13,7 @@ from geoweave.nesting import Stock
 from geoweave.output import OutputError
 from geoweave.pattern import Pattern
 from geoweave.pieces import Making
+from geoweave.solid import glb_bytes
 from tests.laidflat import circles, flat, patterns
 
 ALL = {
@@ -54,6 +55,15 @@ def test_several_sheets_are_several_files(tmp_path: Path) -> None:
     assert count > 1
     assert names == sorted(f"pattern-{k:02d}.{kind}" for k in range(1, count + 1) for kind in ("svg", "dxf"))
     assert f"sheet 1 of {count}" in (tmp_path / "pattern-01.svg").read_text(encoding="utf-8")
+
+
+def test_the_object_is_shown_at_rest_where_the_pattern_is_of_the_weave_at_rest(tmp_path: Path) -> None:
+    rest = flat()
+    for ribbon in rest["ribbons"]:
+        ribbon["points"] = [[x, y, z + 2.0] for x, y, z in ribbon["points"]]
+    for given, shown in ((None, flat()), (rest, rest)):
+        files = write(patterns()["flat"], tmp_path, ["glb"], weave=flat(), rest=given)
+        assert files["weave.glb"].read_bytes() == glb_bytes(shown, Bench().paper_colours.families)
 
 
 def test_formats_come_once_and_in_order() -> None:

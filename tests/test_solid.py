@@ -11,8 +11,9 @@ import trimesh
 
 from geoweave.errors import FieldError
 from geoweave.inks import FAMILIES
+from geoweave.relaxed import relaxed_weave
 from geoweave.solid import CLEAR, courses, glb_bytes, solid_ribbons
-from tests.laidflat import bow_tie, circles, cone, flat
+from tests.laidflat import UP, bow_tie, circles, cone, crossing, document, flat, ribbon
 
 
 @cache
@@ -73,6 +74,57 @@ def test_the_upper_ribbon_lies_above_the_lower_one_without_touching() -> None:
         above, below = heights[each["over_index"]], heights[1 - each["over_index"]]
         assert above[0] > below[1]
         assert above[1] - above[0] == pytest.approx(0.5)
+
+
+def middles(name: str, found: trimesh.Scene, closed: bool) -> np.ndarray:
+    """The middles of the cross sections of a ribbon of a GLB, in the order in which they are written."""
+    vertices = np.asarray(found.geometry[name].vertices)
+    blocks = (vertices if closed else vertices[:-8]).reshape(8, -1, 3)
+    return blocks[[0, 1, 3, 5]].mean(axis=0)
+
+
+def clearances(document: dict) -> np.ndarray:
+    """Distance of the middles of the ribbons at each crossing of the GLB, upper less lower, thicknesses."""
+    found = trimesh.load(io.BytesIO(glb_bytes(document)), file_type="glb", process=False)
+    apart = []
+    for each in document["crossings"]:
+        places, ups = [], []
+        for side in (0, 1):
+            ribbon = document["ribbons"][each["ribbons"][side]]
+            points, normals = np.array(ribbon["points"]), np.array(ribbon["normals"])
+            ring = np.concatenate([points, points[:1]]) if ribbon["closed"] else points
+            at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(ring, axis=0), axis=1))])
+            s = each["arclength"][side]
+            here = np.array([np.interp(s, at, ring[:, axis]) for axis in range(3)])
+            up = normals[min(np.searchsorted(at, s, side="right") - 1, len(points) - 1)]
+            line = middles(ribbon["label"], found, ribbon["closed"]) - here
+            across = line - np.outer(line @ up, up)
+            places.append(here + line[np.argmin((across**2).sum(axis=1))])
+            ups.append(up)
+        up = sum(ups) / np.linalg.norm(sum(ups))
+        apart.append((places[each["over_index"]] - places[1 - each["over_index"]]) @ up)
+    return np.array(apart) / document["thickness"]
+
+
+def test_ribbons_lie_as_far_apart_at_rest_as_on_the_surface() -> None:
+    designed = cone()
+    relaxed = relaxed_weave(designed).document()
+    np.testing.assert_allclose(clearances(designed.document()), CLEAR, atol=0.05)
+    # at rest the rods lie a thickness apart, which must not be added to the lift of the surface
+    np.testing.assert_allclose(clearances(relaxed), CLEAR, atol=0.15)
+
+
+@pytest.mark.parametrize(("there", "wanted"), [(0.0, CLEAR), (1.0, CLEAR), (-0.5, CLEAR), (3.0, 3.0)])
+def test_what_lies_over_already_is_not_lifted_again(there: float, wanted: float) -> None:
+    content = document(
+        [
+            ribbon("A1", 0, [(-50, 0, there / 4), (50, 0, there / 4)], UP),
+            ribbon("B1", 1, [(0, -50, -there / 4), (0, 50, -there / 4)], UP),
+        ],
+        [crossing(0, 1, (50.0, 50.0), 0)],
+    )
+    assert content["thickness"] == 0.5
+    np.testing.assert_allclose(clearances(content), wanted, rtol=1e-6)
 
 
 def test_a_material_per_family() -> None:
