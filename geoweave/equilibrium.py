@@ -1,16 +1,16 @@
 """Equilibria of elastic rods: ribbons that slide on a surface, and weaves left to themselves (Appendix E).
 
-Both are found by Gauss-Newton steps with a line search. A step moves vertices and turns sections; the line
-search evaluates it on rods whose directors have been parallel-transported onto the new segments, as the paper
-asks, because the energies of `geoweave.rod_energies` are only ever taken on such rods.
+Both are found by Gauss-Newton steps with a line search, and by Newton steps once the second derivative is
+positive definite. A step moves vertices and turns sections; the line search evaluates it on rods whose
+directors have been parallel-transported onto the new segments, as the paper asks, because the energies of
+`geoweave.rod_energies` are only ever taken on such rods.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from scipy import sparse
@@ -21,6 +21,7 @@ from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.errors import FieldError
 from geoweave.linalg import one_blas_thread
 from geoweave.rod_energies import Table, Term
+from geoweave.rod_matrix import Pattern
 from geoweave.rodfiles import RodError
 from geoweave.rods import Rods, cross
 
@@ -29,7 +30,7 @@ __all__ = ["Equilibrium", "Step", "Stepping", "minimized"]
 
 @dataclass(frozen=True)
 class Stepping:
-    """The numbers of the Gauss-Newton iteration.
+    """The numbers of the iteration.
 
     Attributes
     ----------
@@ -38,7 +39,6 @@ class Stepping:
     turn : no segment turns by more than this in one step, radians
     sufficient : share of the predicted decrease of the energy that a step must achieve (Armijo)
     shortest : share of a step below which the line search gives up
-    memory : steps from which the curvature that Gauss-Newton leaves out is learnt; 0 for none
     """
 
     tolerance: float = 1e-6
@@ -46,15 +46,12 @@ class Stepping:
     turn: float = 0.5
     sufficient: float = 1e-4
     shortest: float = 1e-6
-    memory: int = 10
 
     def __post_init__(self) -> None:
         for name in ("tolerance", "most_steps", "turn", "sufficient", "shortest"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise FieldError(f"'{name}' of the equilibrium must be a positive number, not {value}")
-        if self.memory < 0:
-            raise FieldError(f"the memory of the equilibrium is zero or more steps, not {self.memory}")
 
 
 @dataclass(frozen=True)
@@ -111,16 +108,22 @@ class Equilibrium:
 NO_FORCE = 1e-15
 """Forces below this share of ``Y w h``, which would double a ribbon's length, are rounding."""
 
-SETTLED = 0.03
-"""The Gauss-Newton matrix is factored anew at every step until the forces balance to this share."""
+NEAR = 0.02
+"""Newton steps are tried where the forces balance to this share."""
 
-NEAR = 0.3
-"""Below this share, secant pairs are kept and taut segments add their stiffness against sideways motion."""
+FORESEEN = 0.2
+"""They are tried where residuals are off from what the last steps foresaw by no more than this share."""
+
+TRIES = 4
+"""Dampings tried to make the second derivative positive definite, before Gauss-Newton's is taken."""
 
 Solve: TypeAlias = Callable[[Scalars], Scalars]
 
 DAMPING = (1e-12, 1e-9, 1e2)
 """Least, first and largest damping as a share of the stretching stiffness of a segment."""
+
+NEWTON = 1e-3
+"""Largest damping of Newton steps."""
 
 
 def minimized(
@@ -132,8 +135,9 @@ def minimized(
     load: Vectors | None = None,
     anchored: bool = False,
     callback: Callable[[Step], None] | None = None,
+    pattern: Pattern | None = None,
 ) -> Equilibrium:
-    """Minimise a sum of energies over vertices and angles by Gauss-Newton steps with a line search.
+    """Minimise a sum of energies over vertices and angles by damped (Gauss-)Newton steps with a line search.
 
     Every step lowers the energy, so the iteration ends; it cannot accept a number that is not finite. Rigid
     motions are taken out of every step: the centre of mass of each connected part and, to first order, its
@@ -148,56 +152,96 @@ def minimized(
     load : (V, 3) constant force on each vertex; its potential is ``-load . p``
     anchored : whether the energies themselves hold the rods in space, so that no motion is rigid
     callback : called with every `Step`
+    pattern : of the matrix of terms on the same unknowns, if it has been analysed before
     """
     numbers = stepping or Stepping()
     held = np.zeros(rods.size, dtype=bool) if fixed is None else np.asarray(fixed, dtype=bool)
-    problem = _Problem(rods, tuple(terms), held, load, anchored)
-    current, energies, share = rods, problem.energies(rods), 0.0
+    problem = _Problem(rods, tuple(terms), held, load, anchored, pattern)
+    now, share = problem.completed(problem.tried(rods)), 0.0
     history: list[Step] = []
-    memory: deque[tuple[Scalars, Scalars]] = deque(maxlen=max(numbers.memory, 1))
-    damping, solve, ending = DAMPING[1], None, ""
-    gradient, jacobians, relative = problem.forces(current)
+    foreseen = [np.zeros_like(r) for r in now.residuals]
+    damping, shift, ending = DAMPING[1], DAMPING[1], ""
     with one_blas_thread():
         while True:
-            history.append(Step(len(history), energies, relative, share))
+            history.append(Step(len(history), now.energies, now.relative, share))
             if callback is not None:
                 callback(history[-1])
-            if relative <= numbers.tolerance:
+            if now.relative <= numbers.tolerance:
                 ending = "the forces balance"
                 break
             if len(history) > numbers.most_steps:
                 ending = f"after {numbers.most_steps} steps the forces do not balance yet"
                 break
-            if solve is None or relative > SETTLED or share < 1.0:
-                solve = problem.factored(current, jacobians, damping, relative < NEAR)
-            taken = problem.attempt(current, history[-1], gradient, solve, memory, numbers)
+            taken = None
+            if now.relative < NEAR and problem.is_foreseen(now, foreseen):
+                taken, shift = problem.newton(now, shift, foreseen, numbers)
             while taken is None and damping <= DAMPING[2]:
-                damping *= 1.0 if memory else 30.0
-                memory.clear()
-                solve = problem.factored(current, jacobians, damping, relative < NEAR)
-                taken = problem.attempt(current, history[-1], gradient, solve, memory, numbers)
+                taken = problem.advanced(now, problem.factored(now, damping), numbers)
+                if taken is None:
+                    damping *= 30.0
+                else:
+                    change = 0.1 if taken.share > 0.5 else 10.0 if taken.share < 0.25 else 1.0
+                    damping = max(change * damping, DAMPING[0])
             if taken is None:
                 ending = "no step lowers the energy any further"
                 break
-            current, energies, share, step = taken
-            damping = max(damping * (0.3 if share > 0.5 else 10.0 if share < 0.5 else 1.0), DAMPING[0])
-            before = gradient
-            gradient, jacobians, relative = problem.forces(current)
-            if step is None:  # a corrected step is no secant of the gradient
-                solve = None
-            elif numbers.memory and relative < NEAR and float((gradient - before) @ step) > 0:
-                memory.append((step, gradient - before))
-    return Equilibrium(current, relative <= numbers.tolerance, tuple(history), ending)
+            reached = taken.share * taken.whole
+            linear = problem.linear(now, taken.step)
+            foreseen = [f + reached * (r - f) for f, r in zip(foreseen, linear, strict=True)]
+            now, share = problem.completed(taken.trial), taken.share
+    return Equilibrium(now.rods, now.relative <= numbers.tolerance, tuple(history), ending)
+
+
+class _Trial(NamedTuple):
+    """Rods with their residuals and energies."""
+
+    rods: Rods
+    residuals: list[Table]
+    energies: dict[str, float]
+
+    @property
+    def energy(self) -> float:
+        return sum(self.energies.values())
+
+
+class _State(NamedTuple):
+    """A trial that was accepted, with its derivatives."""
+
+    rods: Rods
+    residuals: list[Table]
+    energies: dict[str, float]
+    jacobians: list[Table]
+    gradient: Scalars
+    relative: float
+
+    @property
+    def energy(self) -> float:
+        return sum(self.energies.values())
+
+
+class _Taken(NamedTuple):
+    """Where a step led, the whole step, the share that no segment turns too far by, and the line search's."""
+
+    trial: _Trial
+    step: Scalars
+    whole: float
+    share: float
 
 
 class _Problem:
     """Energies, forces and steps of one minimisation."""
 
     def __init__(
-        self, rods: Rods, terms: tuple[Term, ...], fixed: Flags, load: Vectors | None, anchored: bool
+        self,
+        rods: Rods,
+        terms: tuple[Term, ...],
+        fixed: Flags,
+        load: Vectors | None,
+        anchored: bool,
+        pattern: Pattern | None,
     ) -> None:
         self.terms, self.load, self.start = terms, load, rods.points
-        self.pattern = rod_matrix.analysed(rods.size, terms, fixed)
+        self.pattern = pattern or rod_matrix.analysed(rods.size, terms, fixed)
         self.fixed = fixed
         size = float(rods.rest.mean())
         angle = np.arange(rods.size) >= 3 * rods.layout.vertices
@@ -207,35 +251,73 @@ class _Problem:
         self.least = NO_FORCE * float(np.linalg.norm(strength))
         self.parts = [] if anchored else _parts(rods, fixed)
 
-    def energies(self, rods: Rods) -> dict[str, float]:
-        found = {term.name: term.energy(rods) for term in self.terms}
+    def tried(self, rods: Rods) -> _Trial:
+        residuals = [term.residual(rods) for term in self.terms]
+        energies = {
+            term.name: 0.5 * float((r**2).sum()) for term, r in zip(self.terms, residuals, strict=True)
+        }
         if self.load is not None:
-            found["load"] = -float((self.load * (rods.points - self.start)).sum())
-        return found
+            energies["load"] = -float((self.load * (rods.points - self.start)).sum())
+        return _Trial(rods, residuals, energies)
 
-    def forces(self, rods: Rods) -> tuple[Scalars, list[Table], float]:
-        """Gradient of the energy, local Jacobians, and the gradient as a share of its parts."""
-        total, size = np.zeros(rods.size), 0.0
-        jacobians = []
-        for term in self.terms:
-            derivative = term.derivative(rods)
-            local = np.einsum("nr,nrk->nk", term.residual(rods), derivative)
-            own = np.bincount(term.unknowns.ravel(), local.ravel(), minlength=rods.size)
-            size += float(np.linalg.norm(own / self.unit))
-            total += own
-            jacobians.append(derivative)
+    def moved(self, rods: Rods, step: Scalars) -> _Trial | None:
+        """Rods after a step, or None if they would be none."""
+        try:
+            return self.tried(rods.stepped(step))
+        except RodError:
+            return None
+
+    def completed(self, trial: _Trial) -> _State:
+        """Add the Jacobians, the gradient of the energy, and its size as a share of its parts."""
+        jacobians = [term.derivative(trial.rods) for term in self.terms]
+        parts = self.pulled(jacobians, trial.residuals)
+        size = sum(float(np.linalg.norm(own / self.unit)) for own in parts)
+        total = np.sum(parts, axis=0)
         if self.load is not None:
             total[: self.load.size] -= self.load.ravel()
             size += float(np.linalg.norm(self.load))
         total[self.fixed] = 0.0
-        unbalanced = float(np.linalg.norm(total / self.unit))
-        return total, jacobians, unbalanced / max(size, self.least / 1e-6)
+        relative = float(np.linalg.norm(total / self.unit)) / max(size, self.least / 1e-6)
+        return _State(*trial, jacobians, total, relative)
 
-    def factored(self, rods: Rods, jacobians: list[Table], damping: float, taut: bool) -> Solve | None:
-        """Factor the damped Gauss-Newton matrix; None if it is not definite to working precision."""
+    def pulled(self, jacobians: list[Table], residuals: list[Table]) -> list[Scalars]:
+        """``J' r`` of each term."""
+        found = []
+        for term, jacobian, residual in zip(self.terms, jacobians, residuals, strict=True):
+            local = np.einsum("nr,nrk->nk", residual, jacobian)
+            own = np.bincount(term.unknowns.ravel(), local.ravel(), minlength=self.pattern.size)
+            found.append(own.astype(np.float64))
+        return found
+
+    def linear(self, now: _State, step: Scalars) -> list[Table]:
+        """Residuals after a step if they were linear."""
+        return [
+            residual + np.einsum("nrk,nk->nr", jacobian, step[term.unknowns])
+            for term, residual, jacobian in zip(self.terms, now.residuals, now.jacobians, strict=True)
+        ]
+
+    def is_foreseen(self, now: _State, foreseen: list[Table]) -> bool:
+        """Whether residuals came out as the steps until now let expect.
+
+        Where they did not, stiff contacts are out of balance, and the curvature that their forces would give
+        the energy is nothing to go by.
+        """
+        off = sum(float(((r - f) ** 2).sum()) for r, f in zip(now.residuals, foreseen, strict=True))
+        return 0.5 * off <= FORESEEN * sum(0.5 * float((r**2).sum()) for r in now.residuals)
+
+    def factored(self, now: _State, damping: float, forces: list[Table] | None = None) -> Solve | None:
+        """Factor the damped second derivative; None if it is not positive definite to working precision.
+
+        Without forces it is Gauss-Newton's. Forces weigh the second derivatives of the residuals. Those
+        foreseen by the last step are better than the residuals themselves: in a stiff contact a small
+        second-order error is a large force, which the next step takes away (as multipliers in SQP).
+        """
         pattern = self.pattern
-        extra = [term.curvature(rods) if taut and term.curvature else None for term in self.terms]
-        matrix = pattern.matrix(jacobians, extra, damping * self.stiff * self.unit**2)
+        extra: list[Table | None] = [None] * len(self.terms)
+        for number, term in enumerate(self.terms if forces is not None else ()):
+            if forces is not None and term.curvature is not None:
+                extra[number] = term.curvature(now.rods, forces[number])
+        matrix = pattern.matrix(now.jacobians, extra, damping * self.stiff * self.unit**2)
         try:
             factor = cholesky.factor(matrix, pattern.symbolic)
         except cholesky.NotDefiniteError:
@@ -251,100 +333,85 @@ class _Problem:
 
         return solve
 
-    def attempt(
-        self,
-        rods: Rods,
-        now: Step,
-        gradient: Scalars,
-        solve: Solve | None,
-        memory: Sequence[tuple[Scalars, Scalars]],
-        numbers: Stepping,
-    ) -> tuple[Rods, dict[str, float], float, Scalars | None] | None:
-        """Return where a step leads, its energies, its share, and the step itself if it was straight."""
-        if solve is None:
-            return None
-        step = self.step(rods, gradient, solve, memory, numbers.turn)
-        found = None if step is None else self.search(rods, now, gradient, step, solve, numbers)
-        if found is None or step is None:
-            return None
-        return (*found[:3], found[2] * step if found[3] else None)
+    def newton(
+        self, now: _State, shift: float, foreseen: list[Table], numbers: Stepping
+    ) -> tuple[_Taken | None, float]:
+        """Return where a Newton step leads, and the damping for the next.
 
-    def step(
-        self,
-        rods: Rods,
-        gradient: Scalars,
-        solve: Solve,
-        memory: Sequence[tuple[Scalars, Scalars]],
-        turn: float,
-    ) -> Scalars | None:
-        """Return the step without its rigid motion, shortened where a segment turns too far.
-
-        What Gauss-Newton leaves out of the second derivative is learnt from how the gradient changed over the
-        last steps: limited-memory secant pairs about the Gauss-Newton matrix (Nocedal 1980).
+        Near a saddle a step grows along the unstable direction the more, the less the damping is above what
+        makes the matrix positive definite; so it changes by factors of four only.
         """
-        q = gradient.copy()
-        taken: list[tuple[float, float]] = []
-        for shift, changed in reversed(memory):
-            rate = 1.0 / float(changed @ shift)
-            taken.append((rate, rate * float(shift @ q)))
-            q -= taken[-1][1] * changed
-        step = solve(q)
-        for (shift, changed), (rate, part) in zip(memory, reversed(taken), strict=True):
-            step += (part - rate * float(changed @ step)) * shift
-        step = -step
+        for _ in range(TRIES):
+            taken = self.advanced(now, self.factored(now, shift, foreseen), numbers)
+            if taken is not None:
+                change = 0.25 if taken.share > 0.5 else 4.0 if taken.share < 0.25 else 1.0
+                return taken, min(max(change * shift, DAMPING[0]), NEWTON)
+            shift = min(4.0 * shift, NEWTON)
+        return None, shift
+
+    def solved(self, rods: Rods, solve: Solve, gradient: Scalars) -> Scalars | None:
+        """Return the step against a gradient, without its rigid motion; None if it is not finite."""
+        step = -solve(gradient)
         if not np.isfinite(step).all():
             return None
-        for whole in self.parts:
-            _remove_rigid_motion(rods, whole, step)
-        moved = step[: 3 * rods.layout.vertices].reshape(-1, 3)
-        start, end = rods.layout.ends.T
-        change = np.linalg.norm(moved[end] - moved[start], axis=1) / rods.lengths
-        largest = max(float(change.max()), float(np.abs(step[3 * rods.layout.vertices :]).max()))
-        return step * min(1.0, turn / largest) if largest > 0 else step
+        for part in self.parts:
+            _remove_rigid_motion(rods, part, step)
+        return step
 
-    @staticmethod
-    def moved(rods: Rods, step: Scalars) -> Rods | None:
-        """Rods after a step, or None if they would be none."""
-        try:
-            return rods.stepped(step)
-        except RodError:
-            return None
+    def advanced(self, now: _State, solve: Solve | None, numbers: Stepping) -> _Taken | None:
+        """Halve a step until the energy falls enough.
 
-    def search(
-        self, rods: Rods, now: Step, gradient: Scalars, step: Scalars, solve: Solve, numbers: Stepping
-    ) -> tuple[Rods, dict[str, float], float, bool] | None:
-        """Halve the step until the energy falls enough.
-
-        A straight step leaves the curved valley in which lengths and contacts hold. Before it is halved the
-        same matrix may take it back there, for the price of a gradient (second-order correction): halving
-        alone would creep along the valley. Also says whether the step was straight.
+        A straight step s leaves the curved valley in which lengths and contacts hold. What residuals are off
+        from linear there gives, for one solution with the same matrix, the step b that leads back, and the
+        search goes along the arc ``t s + t^2 b`` (second-order correction).
         """
-        slope = float(gradient @ step)
+        step = None if solve is None else self.solved(now.rods, solve, now.gradient)
+        if solve is None or step is None:
+            return None
+        largest = _turn(now.rods, step)
+        whole = min(1.0, numbers.turn / largest) if largest > 0 else 1.0
+        slope = whole * float(now.gradient @ step)
         if not slope < 0:
             return None
-        share = 1.0
         rounding = 4.0 * np.finfo(np.float64).eps * sum(abs(e) for e in now.energies.values())
+        share, back = 1.0, None
         while share >= numbers.shortest:
-            trial = self.moved(rods, share * step)
-            if trial is None:
-                share *= 0.5
-                continue
-            energies = self.energies(trial)
-            energy = sum(energies.values())
-            if energy <= now.energy + numbers.sufficient * share * slope:
-                return trial, energies, share, True
-            back = self.step(trial, self.forces(trial)[0], solve, (), numbers.turn)
-            corrected = None if back is None else self.moved(trial, back)
-            if corrected is not None:
-                again = self.energies(corrected)
-                if sum(again.values()) <= now.energy + numbers.sufficient * share * slope:
-                    return corrected, again, share, False
-            # Where the energy can no longer tell the two apart, the forces can.
-            level = -share * slope < 1e3 * rounding and energy <= now.energy + rounding
-            if level and self.forces(trial)[2] < now.gradient:
-                return trial, energies, share, True
+            along = share * whole * step
+            trial = self.moved(now.rods, along)
+            goal = now.energy + numbers.sufficient * share * slope
+            found = [] if trial is None else [trial]
+            if trial is not None and not trial.energy <= goal:
+                if back is None:
+                    back = self.back(now, trial, along, solve)
+                    back = None if back is None else back / share**2
+                if back is not None and _turn(now.rods, share**2 * back) <= numbers.turn:
+                    bent = self.moved(now.rods, along + share**2 * back)
+                    found += [] if bent is None else [bent]
+            for each in found:
+                if each.energy <= goal:
+                    return _Taken(each, step, whole, share)
+                # Where the energy can no longer tell the two apart, the forces can.
+                level = -share * slope < 1e3 * rounding and each.energy <= now.energy + rounding
+                if level and self.completed(each).relative < now.relative:
+                    return _Taken(each, step, whole, share)
             share *= 0.5
         return None
+
+    def back(self, now: _State, trial: _Trial, along: Scalars, solve: Solve) -> Scalars | None:
+        """Return the step that takes residuals after a straight one to where they were foreseen."""
+        linear = self.linear(now, along)
+        off = [r - f for r, f in zip(trial.residuals, linear, strict=True)]
+        force = np.sum(self.pulled(now.jacobians, off), axis=0)
+        force[self.fixed] = 0.0
+        return self.solved(now.rods, solve, force)
+
+
+def _turn(rods: Rods, step: Scalars) -> float:
+    """Return the largest angle by which a step turns a segment, in its direction or about it."""
+    moved = step[: 3 * rods.layout.vertices].reshape(-1, 3)
+    start, end = rods.layout.ends.T
+    change = np.linalg.norm(moved[end] - moved[start], axis=1) / rods.lengths
+    return max(float(change.max()), float(np.abs(step[3 * rods.layout.vertices :]).max()))
 
 
 def _parts(rods: Rods, fixed: Flags) -> list[tuple[Indices, Indices]]:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geoweave import rod_matrix
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.closest import BoxTree, closest_points, triangle_tree
 from geoweave.equilibrium import Equilibrium, Step, Stepping, minimized
 from geoweave.mesh import TriMesh
 from geoweave.rod_energies import (
+    ORIENTATION,
     Term,
     contact_orientation,
     contact_position,
@@ -65,6 +68,12 @@ ROUGHLY = 1e-2
 
 STILL = 1e-3
 """The next round of sliding is the last when no vertex moved by more than this share of a segment."""
+
+SOFT = 10.0
+"""Contacts first hold sections flush with this many times the edgewise stiffness of a segment (B / l)."""
+
+ROUGHLY_RELAXED = 1e-3
+"""Forces balance to this share with soft contacts, before those that were asked for take their place."""
 
 NEARBY = 3
 """Segments on each side among which a contact looks for its new place after sliding."""
@@ -150,12 +159,34 @@ def slide(
 def _laid(rods: Rods, surface: TriMesh, tree: BoxTree) -> Rods:
     """Turn thickness directions to the surface's normals below their segments."""
     middle = rods.points[rods.layout.ends].mean(axis=1)
-    normals = surface.face_normals[closest_points(tree, middle)[1]]
+    normals = smooth_normals(surface, *closest_points(tree, middle))
     aside = normals - (normals * rods.tangents).sum(axis=1)[:, None] * rods.tangents
     size = np.linalg.norm(aside, axis=1)[:, None]
     # a segment that stands on the surface keeps its direction
     directors = np.where(size > 0.1, aside / np.maximum(size, 0.1), rods.directors)
     return replace(rods, directors=directors, twists=None)
+
+
+def smooth_normals(surface: TriMesh, points: Vectors, faces: Indices) -> Vectors:
+    """(N, 3) unit normals at points of faces, interpolated from the vertices'.
+
+    Those of the faces jump at every edge; ribbons laid on them would be bent edgewise in every joint.
+    """
+    corners = surface.vertices[surface.faces[faces]]
+    normal = surface.face_normals[faces]
+    shares = np.stack(
+        [
+            (normal * np.cross(corners[:, (k + 1) % 3] - points, corners[:, (k + 2) % 3] - points)).sum(
+                axis=1
+            )
+            for k in range(3)
+        ],
+        axis=1,
+    )
+    shares = np.maximum(shares, 0.0) + 1e-300
+    normals = (shares[:, :, None] * surface.vertex_normals[surface.faces[faces]]).sum(axis=1)
+    size = np.linalg.norm(normals, axis=1)[:, None]
+    return np.where(size > 1e-9 * shares.sum(axis=1)[:, None], normals / np.maximum(size, 1e-300), normal)
 
 
 def _at_ends(rods: Rods) -> Contacts:
@@ -244,11 +275,14 @@ def relax(
 ) -> Equilibrium:
     """Find the shape that a weave takes when it is left to itself, without any pull to the surface (E.2).
 
+    The orientation of contacts is so stiff that steps creep along the curved valley where ribbons lie flush.
+    So it is relaxed with softer ones first, then with those that were asked for (DEVIATIONS, rod-steps).
+
     Parameters
     ----------
     rods : the start
     springs : stiffnesses of the contacts
-    stepping : numbers of the minimisation
+    stepping : numbers of each of the two minimisations
     fixed : (V,) vertices that do not move: a rigid boundary, or the feet it stands on. A segment whose two
         vertices are fixed is clamped, it does not turn either
     gravity : (3,) acceleration, length / time^2, in the units of the material's density
@@ -271,9 +305,37 @@ def relax(
                 "fix the vertices it stands on"
             )
         load = vertex_masses(rods)[:, None] * pull
-    return minimized(
-        rods, relaxing_terms(rods, springs), stepping=stepping, fixed=held, load=load, callback=callback
-    )
+    stiff, numbers = springs or Springs(), stepping or Stepping()
+    terms = relaxing_terms(rods, stiff)
+    pattern = rod_matrix.analysed(rods.size, terms, held)
+    edgewise = float((rods.material.edgewise(rods.widths) / rods.rest).mean())
+    soft = replace(stiff, orientation=min(SOFT * edgewise, stiff.orientation))
+    harder = stiff.orientation / soft.orientation
+    stages = [(terms, numbers, 1.0)]
+    if len(rods.contacts) and harder > 1:
+        roughly = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY_RELAXED))
+        stages.insert(0, (relaxing_terms(rods, soft), roughly, harder))
+    steps: list[Step] = []
+
+    def told(step: Step, harder: float) -> None:
+        """Count steps through, and give energies by the stiffness that was asked for."""
+        energies = step.energies | {k: harder * e for k, e in step.energies.items() if k == ORIENTATION}
+        steps.append(replace(step, number=len(steps), energies=energies))
+        if callback is not None:
+            callback(steps[-1])
+
+    for energies, limits, factor in stages:
+        found = minimized(
+            rods,
+            energies,
+            stepping=limits,
+            fixed=held,
+            load=load,
+            pattern=pattern,
+            callback=partial(told, harder=factor),
+        )
+        rods = found.rods
+    return replace(found, steps=tuple(steps))
 
 
 def vertex_masses(rods: Rods) -> Scalars:

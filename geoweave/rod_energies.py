@@ -34,6 +34,9 @@ __all__ = [
 STRETCHING = "stretching"
 """The name of the one elastic energy that belongs to segments; all others belong to joints."""
 
+ORIENTATION = "contact orientation"
+"""The name of the energy that makes crossing ribbons lie flush."""
+
 Table = NDArray[np.float64]
 """(n, r) residuals of n stencils, or (n, r, k) their derivatives by k unknowns."""
 
@@ -48,15 +51,15 @@ class Term:
     unknowns : (n, k) unknowns of each stencil
     residual : rods to (n, r) residuals, each the root of an energy
     derivative : rods to (n, r, k) derivatives of the residuals by the stencil's unknowns
-    curvature : rods to (n, k, k), a positive semi-definite part of ``sum r r''``, which Gauss-Newton leaves
-        out; None if there is none
+    curvature : rods and (n, r) weights q to (n, k, k), the symmetric ``sum q r''``: with q = r what
+        Gauss-Newton leaves out of the second derivative; None if it is zero
     """
 
     name: str
     unknowns: Indices
     residual: Callable[[Rods], Table]
     derivative: Callable[[Rods], Table]
-    curvature: Callable[[Rods], Table] | None = None
+    curvature: Callable[[Rods, Table], Table] | None = None
 
     def energy(self, rods: Rods) -> float:
         """Energy, force x length."""
@@ -119,11 +122,10 @@ def stretching(layout: Layout) -> Term:
         pull = (weight(rods) / rods.rest)[:, None] * rods.tangents
         return np.concatenate([-pull, pull], axis=1)[:, None, :]
 
-    def curvature(rods: Rods) -> Table:
-        """Stiffness of a taut string against sideways motion, tension over length; none if slack."""
-        tension = rods.material.stretching(rods.widths) * np.maximum(rods.lengths / rods.rest - 1.0, 0.0)
+    def curvature(rods: Rods, weights: Table) -> Table:
+        size = weights * (weight(rods) / rods.rest / rods.lengths)[:, None]
         side = np.eye(3) - rods.tangents[:, :, None] * rods.tangents[:, None, :]
-        side *= (tension / rods.lengths)[:, None, None]
+        side *= size[:, :, None]
         return np.block([[side, -side], [-side, side]])
 
     return Term(STRETCHING, frozen(_point_unknowns(layout.ends)), residual, derivative, curvature)
@@ -177,7 +179,36 @@ def _bending(name: str, layout: Layout, unknowns: Indices | None, *, flatwise: b
         out = np.concatenate([-by_a, by_a - by_b, by_b, spin_a, spin_b], axis=1)
         return (weight(rods)[:, None] * out)[:, None, :]
 
-    return Term(name, _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative)
+    def curvature(rods: Rods, weights: Table) -> Table:
+        kb, chi = rods.binormals, rods.openness[:, None]
+        ta, tb = rods.tangents[a], rods.tangents[b]
+        la, lb = rods.lengths[a][:, None], rods.lengths[b][:, None]
+        frame = rods.across if flatwise else -rods.directors
+        turned = -(rods.directors if flatwise else rods.across)
+        middle = (frame[a] + frame[b]) / chi
+        mean = (ta + tb) / chi
+        bent = 0.5 * (kb * (frame[a] + frame[b])).sum(axis=1)
+        both = 2.0 * bent[:, None, None] * _outer(mean, mean)
+        left, right = cross(tb, middle), cross(ta, middle)
+        flat = (bent[:, None] / chi)[:, :, None]
+        eye = np.eye(3)
+        aa = both - _twice(left, mean) - flat * (eye - _outer(ta, ta)) + 0.25 * _twice(kb, frame[a])
+        bb = both + _twice(right, mean) - flat * (eye - _outer(tb, tb)) + 0.25 * _twice(kb, frame[b])
+        ab = both - flat * (eye + _outer(ta, tb)) - _outer(left, mean) + _outer(mean, right) - _hat(middle)
+        out = np.zeros((len(a), 8, 8))
+        out[:, :3, :3], out[:, 3:6, 3:6] = aa / (la * la)[:, :, None], bb / (lb * lb)[:, :, None]
+        out[:, :3, 3:6] = ab / (la * lb)[:, :, None]
+        for k, side in enumerate((a, b)):
+            spin = turned[side]
+            half = 0.5 * (kb * spin).sum(axis=1, keepdims=True)
+            out[:, :3, 6 + k] = _square_part((cross(tb, spin) - half * tb) / chi, ta) / la
+            out[:, 3:6, 6 + k] = _square_part((cross(spin, ta) - half * ta) / chi, tb) / lb
+            out[:, 6 + k, 6 + k] = -0.5 * (kb * frame[side]).sum(axis=1)
+        return _joint_block(weights[:, 0] * weight(rods), out)
+
+    return Term(
+        name, _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative, curvature
+    )
 
 
 def twisting(layout: Layout, unknowns: Indices | None = None) -> Term:
@@ -198,7 +229,55 @@ def twisting(layout: Layout, unknowns: Indices | None = None) -> Term:
         out = np.concatenate([-by_a, by_a - by_b, by_b, -one, one], axis=1)
         return (weight(rods)[:, None] * out)[:, None, :]
 
-    return Term("twist", _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative)
+    def curvature(rods: Rods, weights: Table) -> Table:
+        kb, chi = rods.binormals, rods.openness[:, None]
+        ta, tb = rods.tangents[a], rods.tangents[b]
+        la, lb = rods.lengths[a][:, None, None], rods.lengths[b][:, None, None]
+        mean = (ta + tb) / chi
+        out = np.zeros((len(a), 8, 8))
+        out[:, :3, :3] = -0.25 * _twice(kb, ta + mean) / la**2
+        out[:, 3:6, 3:6] = -0.25 * _twice(kb, tb + mean) / lb**2
+        out[:, :3, 3:6] = 0.5 * (2.0 * _hat(ta / chi) - _outer(kb, mean)) / (la * lb)
+        return _joint_block(weights[:, 0] * weight(rods), out)
+
+    return Term(
+        "twist", _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative, curvature
+    )
+
+
+def _outer(one: Vectors, two: Vectors) -> Table:
+    """(n, 3, 3) products ``one two'``."""
+    return one[:, :, None] * two[:, None, :]
+
+
+def _twice(one: Vectors, two: Vectors) -> Table:
+    """(n, 3, 3) ``one two' + two one'``."""
+    product = _outer(one, two)
+    return product + product.transpose(0, 2, 1)
+
+
+def _hat(vectors: Vectors) -> Table:
+    """(n, 3, 3) matrices of the cross product ``v x``."""
+    out = np.zeros((len(vectors), 3, 3))
+    for x in range(3):
+        y, z = (x + 1) % 3, (x + 2) % 3
+        out[:, z, y], out[:, y, z] = vectors[:, x], -vectors[:, x]
+    return out
+
+
+def _joint_block(size: Scalars, upper: Table) -> Table:
+    """(J, 11, 11) second derivative by vertices and angles, from that by two edges and angles.
+
+    ``upper`` (J, 8, 8) is symmetric on its diagonal blocks and empty below them.
+    """
+    full = upper.copy()
+    full[:, 3:6, :3] = upper[:, :3, 3:6].transpose(0, 2, 1)
+    full[:, 6:, :6] = upper[:, :6, 6:].transpose(0, 2, 1)
+    full *= size[:, None, None]
+    half = np.concatenate([-full[:, :3], full[:, :3] - full[:, 3:6], full[:, 3:6], full[:, 6:]], axis=1)
+    return np.concatenate(
+        [-half[:, :, :3], half[:, :, :3] - half[:, :, 3:6], half[:, :, 3:6], half[:, :, 6:]], axis=2
+    )
 
 
 # -- contacts -------------------------------------------------------------------------------------------
@@ -216,6 +295,28 @@ def _director_derivative(rods: Rods, segments: Indices) -> Table:
     tangent, director = rods.tangents[segments], rods.directors[segments]
     tilt = -tangent[:, :, None] * director[:, None, :] / rods.lengths[segments][:, None, None]
     return np.concatenate([-tilt, tilt, rods.across[segments][:, :, None]], axis=2)
+
+
+def _director_curvature(rods: Rods, segments: Indices, vectors: Vectors) -> Table:
+    """(C, 7, 7) second derivative of ``v . tau`` by the start, the end and the angle of its segment."""
+    t, tau, across = rods.tangents[segments], rods.directors[segments], rods.across[segments]
+    length = rods.lengths[segments][:, None, None]
+
+    def along(direction: Vectors) -> Table:
+        return (vectors * direction).sum(axis=1)[:, None, None]
+
+    edge = (
+        along(t) * _twice(tau, t) - along(tau) * _outer(tau, tau) - 0.5 * along(across) * _twice(tau, across)
+    )
+    edge /= length**2
+    spin = -along(t) * across[:, :, None] / length
+    out = np.zeros((len(segments), 7, 7))
+    out[:, :3, :3] = out[:, 3:6, 3:6] = edge
+    out[:, :3, 3:6] = out[:, 3:6, :3] = -edge
+    out[:, :3, 6:], out[:, 3:6, 6:] = -spin, spin
+    out[:, 6:, :6] = out[:, :6, 6:].transpose(0, 2, 1)
+    out[:, 6, 6] = -along(tau)[:, 0, 0]
+    return out
 
 
 OWN = (np.array([0, 1, 2, 3, 4, 5, 12]), np.array([6, 7, 8, 9, 10, 11, 13]))
@@ -260,7 +361,14 @@ def contact_position(rods: Rods, stiffness: float, apart: float | None = None) -
             out[:, 3 * k : 3 * k + 3, OWN[k]] += tilt
         return weight * out
 
-    return Term("contact position", _contact_unknowns(rods), residual, derivative)
+    def curvature(rods: Rods, weights: Table) -> Table:
+        out = np.zeros((len(pair), 14, 14))
+        for k, sign in enumerate((1.0, -1.0)):
+            pull = weight * sign * side[:, k][:, None] * weights[:, 3 * k : 3 * k + 3]
+            out[:, OWN[k][:, None], OWN[k]] = _director_curvature(rods, pair[:, k], pull)
+        return out
+
+    return Term("contact position", _contact_unknowns(rods), residual, derivative, curvature)
 
 
 def contact_orientation(rods: Rods, stiffness: float) -> Term:
@@ -298,7 +406,21 @@ def contact_orientation(rods: Rods, stiffness: float) -> Term:
             )
         return weight * out
 
-    return Term("contact orientation", _contact_unknowns(rods), residual, derivative)
+    def curvature(rods: Rods, weights: Table) -> Table:
+        """As if angle and sine were one: exact where ribbons lie flush."""
+        one, two = rods.directors[pair[:, 0]], sign * rods.directors[pair[:, 1]]
+        pull = weight * weights
+        turn = [_director_derivative(rods, pair[:, k]) for k in (0, 1)]
+        turn[1] = sign[:, :, None] * turn[1]
+        mixed = -turn[0].transpose(0, 2, 1) @ _hat(pull) @ turn[1]
+        out = np.zeros((len(pair), 14, 14))
+        out[:, OWN[0][:, None], OWN[0]] = _director_curvature(rods, pair[:, 0], cross(two, pull))
+        out[:, OWN[1][:, None], OWN[1]] = _director_curvature(rods, pair[:, 1], sign * cross(pull, one))
+        out[:, OWN[0][:, None], OWN[1]] = mixed
+        out[:, OWN[1][:, None], OWN[0]] = mixed.transpose(0, 2, 1)
+        return out
+
+    return Term(ORIENTATION, _contact_unknowns(rods), residual, derivative, curvature)
 
 
 def _agreement(rods: Rods) -> Scalars:

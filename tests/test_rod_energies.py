@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rodded import MATERIAL, any_rotation, bar, crumpled, helix, ring, turned
@@ -56,6 +58,37 @@ def test_gradient_is_the_derivative_of_the_energy_along_any_step(name):
     step = 1e-5 * np.random.default_rng(0).normal(size=rods.size)
     change = term.energy(rods.stepped(step)) - term.energy(rods.stepped(-step))
     assert change == pytest.approx(2 * term.gradient(rods) @ step, rel=1e-6)
+
+
+def flush(rods):
+    """The same rods with both directors of each contact along the common normal."""
+    directors = rods.directors.copy()
+    for a, b in rods.contacts.segments:
+        normal = np.cross(rods.tangents[a], rods.tangents[b])
+        normal /= np.linalg.norm(normal)
+        directors[a], directors[b] = normal, -normal
+    return replace(rods, directors=directors, twists=None)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "sliding"])
+def test_curvature_is_the_second_derivative_of_the_residual(name):
+    rods = crumpled()
+    if name == "contact orientation":  # it is exact where ribbons lie flush
+        rods = flush(rods)
+    term = all_terms(rods)[name]
+    rng = np.random.default_rng(3)
+    weights = rng.normal(size=term.residual(rods).shape)
+    blocks = term.curvature(rods, weights)
+    np.testing.assert_allclose(blocks, blocks.transpose(0, 2, 1), atol=1e-12 * abs(blocks).max())
+    small = 1e-4
+    for _ in range(5):
+        step = rng.normal(size=rods.size)
+        states = [rods.stepped(x * step) for x in (small, 0.0, -small)]
+        ahead, here, behind = ((weights * term.residual(each)).sum() for each in states)
+        local = step[term.unknowns]
+        exact = np.einsum("ni,nij,nj->", local, blocks, local)
+        size = np.einsum("ni,nij,nj->n", local, blocks, local)
+        assert (ahead - 2 * here + behind) / small**2 == pytest.approx(exact, abs=1e-5 * abs(size).sum())
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if name != "sliding"])
