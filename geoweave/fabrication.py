@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -19,7 +19,7 @@ from geoweave.flatdrawing import Drawn, drawn
 from geoweave.guide import guide_html
 from geoweave.inks import Colours
 from geoweave.nesting import Sheet, Stock, nested
-from geoweave.output import OutputError, chosen, written_together
+from geoweave.output import Job, OutputError, chosen, written_together
 from geoweave.pattern import Pattern
 from geoweave.pieces import Making, pieces_of
 from geoweave.solid import write_glb
@@ -124,29 +124,27 @@ def write(
         If strips do not fit on the sheets, their crossings are too dense to be labelled, or the weave is not
         that of the pattern.
     """
-    wanted, how = check_formats(formats), bench or Bench()
-    if not wanted:
+    if not (wanted := check_formats(formats)):
         raise OutputError(f"no format is asked for; the formats are {', '.join(FORMATS)}")
+    return written_together(jobs_of(pattern, wanted, bench=bench, weave=weave, rest=rest), folder)
+
+
+def jobs_of(
+    pattern: Pattern,
+    formats: Iterable[str],
+    *,
+    bench: Bench | None = None,
+    weave: Weave | Mapping[str, Any] | None = None,
+    rest: Mapping[str, Any] | None = None,
+) -> dict[str, Job]:
+    """What writes each file of a pattern; everything that may be refused is refused here. As `write`."""
+    wanted, how = check_formats(formats), bench or Bench()
     for name, what in (("glb", "GLB"), ("guide", "guide")):
         if name in wanted and weave is None:
             raise OutputError(
                 f"the {what} needs the weave itself, as a pattern has no places in space; leave '{name}' out"
             )
-    return written_together(_jobs(pattern, wanted, how, weave, rest), folder)
-
-
-_Job = Callable[[Path], None]
-
-
-def _jobs(
-    pattern: Pattern,
-    wanted: tuple[str, ...],
-    how: Bench,
-    weave: Weave | Mapping[str, Any] | None,
-    rest: Mapping[str, Any] | None,
-) -> dict[str, _Job]:
-    """What writes each file; everything that may be refused is refused here."""
-    jobs: dict[str, _Job] = {}
+    jobs: dict[str, Job] = {}
     order = assembly(pattern)
     if "pattern" in wanted:
         text = json.dumps(pattern_document(pattern, how, order), indent=1, allow_nan=False) + "\n"
@@ -192,24 +190,24 @@ def _few(sheets: tuple[Sheet, ...]) -> None:
         )
 
 
-def _text(text: str) -> _Job:
+def _text(text: str) -> Job:
     def job(path: Path) -> None:
         path.write_text(text, encoding="utf-8", newline="\n")
 
     return job
 
 
-def _svg(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> _Job:
+def _svg(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> Job:
     return lambda path: write_svg(path, pattern, sheet, colours, title)
 
 
-def _dxf(pattern: Pattern, sheet: Sheet, colours: Colours) -> _Job:
+def _dxf(pattern: Pattern, sheet: Sheet, colours: Colours) -> Job:
     return lambda path: write_dxf(path, pattern, sheet, colours)
 
 
-def _pdf(pattern: Pattern, pages: tuple[Sheet, ...], key: str, how: Bench) -> _Job:
+def _pdf(pattern: Pattern, pages: tuple[Sheet, ...], key: str, how: Bench) -> Job:
     return lambda path: write_pdf(path, pattern, pages, PAPERS[key], how.paper_colours, how.title)
 
 
-def _glb(weave: Weave | Mapping[str, Any], colours: Colours) -> _Job:
+def _glb(weave: Weave | Mapping[str, Any], colours: Colours) -> Job:
     return lambda path: write_glb(path, weave, colours.families)

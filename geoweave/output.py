@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import secrets
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -11,7 +12,11 @@ from pathlib import Path
 
 from geoweave.errors import GeoweaveError
 
-__all__ = ["OutputError", "check_writable", "chosen", "replacing", "written_together"]
+__all__ = ["Job", "OutputError", "check_writable", "chosen", "replacing", "sha256_of", "written_together"]
+
+
+Job = Callable[[Path], object]
+"""Writes a file to the path that it is given."""
 
 
 class OutputError(GeoweaveError):
@@ -51,7 +56,11 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
 
 
 def written_together(
-    jobs: Mapping[str, Callable[[Path], object]], folder: str | PathLike[str]
+    jobs: Mapping[str, Job],
+    folder: str | PathLike[str],
+    *,
+    stale: Mapping[str, str] | None = None,
+    index: tuple[str, Callable[[Path, dict[str, str]], object]] | None = None,
 ) -> dict[str, Path]:
     """Write files into a folder, all of them or none; returns the path of each by its name.
 
@@ -59,6 +68,9 @@ def written_together(
     ----------
     jobs : by the name of each file, what writes it to a path that it is given
     folder : it is made if it is not there, in a folder that is
+    stale : sha256 of files of an earlier run by their names: those that are not written now are removed, but
+        not one that has been changed since
+    index : name of one more file, and what writes it when it is given the sha256 of all others
 
     Raises
     ------
@@ -73,14 +85,35 @@ def written_together(
     try:
         # Every file is written under a temporary name before the first of them takes its place.
         with ExitStack() as stack:
+            digests = {}
             for name, job in jobs.items():
-                job(stack.enter_context(replacing(target / name)))
+                temporary = stack.enter_context(replacing(target / name))
+                job(temporary)
+                digests[name] = sha256_of(temporary) if index is not None else ""
+            if index is not None:
+                index[1](stack.enter_context(replacing(target / index[0])), digests)
+            _remove(target, {name: each for name, each in (stale or {}).items() if name not in jobs})
     except BaseException:
         if new:
             with suppress(OSError):
                 target.rmdir()
         raise
-    return {name: target / name for name in jobs}
+    names = [*jobs, *([index[0]] if index is not None else [])]
+    return {name: target / name for name in names}
+
+
+def sha256_of(path: Path) -> str:
+    """Digest of a file's content."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _remove(folder: Path, digests: Mapping[str, str]) -> None:
+    """Remove the files of these names whose content is still what these digests say."""
+    for name, digest in digests.items():
+        path = folder / name
+        if path.is_file() and not path.is_symlink() and sha256_of(path) == digest:
+            path.unlink()
 
 
 def chosen(

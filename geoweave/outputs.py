@@ -3,20 +3,37 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from functools import partial
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from geoweave.inspection import Inspection, inspected
-from geoweave.output import chosen, written_together
+from geoweave.output import Job, chosen, written_together
 from geoweave.relaxed import Relaxed
 from geoweave.ribbon_rods import file_of_rods, rods_of_ribbons
 from geoweave.rodfiles import RodFile, rod_text
 from geoweave.woven import Weave
 
-__all__ = ["FORMATS", "check_formats", "rod_file", "write_texts", "write_weave"]
+__all__ = [
+    "DESIGN",
+    "FORMATS",
+    "REPORT",
+    "check_formats",
+    "earlier_report",
+    "listed_files",
+    "rod_file",
+    "text_jobs",
+    "write_reported",
+    "write_texts",
+    "write_weave",
+]
+
+REPORT = "report.json"
+DESIGN = ("weave.json", "weave.rod")
+"""Files of a weave as it was designed, whatever shape it takes at rest."""
 
 FORMATS = {
     "json": "weave.json and report.json, which are always written",
@@ -57,8 +74,11 @@ def write_weave(
     formats: Iterable[str] = (),
     report: Inspection | None = None,
     relaxed: Relaxed | None = None,
+    more: Mapping[str, Job] | None = None,
 ) -> dict[str, Path]:
     """Write ``weave.json``, ``report.json`` and what else is asked for, all together or not at all.
+
+    What an earlier run wrote there and this one does not is removed, so that nothing contradicts the weave.
 
     Parameters
     ----------
@@ -67,6 +87,7 @@ def write_weave(
     formats : names from `FORMATS`
     report : what `inspected` found; it is called if not given
     relaxed : the weave relaxed: ``relaxed.json`` is written too, and the report says how it rests
+    more : what writes other files of this weave
 
     Returns
     -------
@@ -86,10 +107,59 @@ def write_weave(
     if relaxed is not None:
         texts["relaxed.json"] = json.dumps(relaxed.document(), allow_nan=False) + "\n"
         said |= {"relax": relaxed.metrics()}
-    texts["report.json"] = json.dumps(said, indent=1, allow_nan=False) + "\n"
     if "rod" in wanted:
         texts["weave.rod"] = rod_text(rod_file(weave))
-    return write_texts(texts, folder)
+    return write_reported(text_jobs(texts) | dict(more or {}), said, folder)
+
+
+def write_reported(
+    jobs: Mapping[str, Job],
+    report: Mapping[str, Any],
+    folder: str | PathLike[str],
+    kept: Collection[str] = (),
+) -> dict[str, Path]:
+    """Write files, and a ``report.json`` that lists them with their sha256, in place of an earlier run.
+
+    Parameters
+    ----------
+    jobs : by the name of each file, what writes it
+    report : what else the report says
+    folder : it is made if it is not there, in a folder that is
+    kept : names of files of the earlier run that stay. Its others are removed if they are not written now,
+        but not one that somebody has changed, nor any that its report does not list
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written there.
+    """
+    before = listed_files(folder)
+    stay = {name: digest for name, digest in before.items() if name in kept}
+
+    def index(path: Path, digests: dict[str, str]) -> None:
+        said = {**report, "files": stay | digests}
+        _write_text(path, json.dumps(said, indent=1, allow_nan=False) + "\n")
+
+    stale = {name: digest for name, digest in before.items() if name not in kept}
+    return written_together(jobs, folder, stale=stale, index=(REPORT, index))
+
+
+def earlier_report(folder: str | PathLike[str]) -> dict[str, Any]:
+    """The report of an earlier run into a folder, {} if there is none that can be read."""
+    try:
+        report = json.loads((Path(folder) / REPORT).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return report if isinstance(report, dict) else {}
+
+
+def listed_files(folder: str | PathLike[str]) -> dict[str, str]:
+    """The sha256 of each file that the report of an earlier run lists."""
+    listed = earlier_report(folder).get("files")
+    if not isinstance(listed, dict):
+        return {}
+    # A name with a folder in it is none of ours.
+    return {name: str(digest) for name, digest in listed.items() if name == Path(name).name}
 
 
 def write_texts(texts: Mapping[str, str], folder: str | PathLike[str]) -> dict[str, Path]:
@@ -100,8 +170,12 @@ def write_texts(texts: Mapping[str, str], folder: str | PathLike[str]) -> dict[s
     OutputError
         If a file cannot be written there.
     """
-    jobs = {name: partial(_write_text, text=text) for name, text in texts.items()}
-    return written_together(jobs, folder)
+    return written_together(text_jobs(texts), folder)
+
+
+def text_jobs(texts: Mapping[str, str]) -> dict[str, Job]:
+    """What writes each of these texts."""
+    return {name: partial(_write_text, text=text) for name, text in texts.items()}
 
 
 def _write_text(path: Path, text: str) -> None:

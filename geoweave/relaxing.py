@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def relax(file: str, output: str, as_json: bool) -> None:
     """Relax a weave.json of geoweave, or a .rod file of RibbonSim, to the shape that it takes."""
     from geoweave import relaxation
-    from geoweave.outputs import write_texts
+    from geoweave.outputs import DESIGN, earlier_report, text_jobs, write_reported
     from geoweave.relaxed import vertex_normals
     from geoweave.ribbon_rods import file_of_rods, rods_of_file
     from geoweave.rodfiles import read_rods, rod_text
@@ -41,6 +41,7 @@ def relax(file: str, output: str, as_json: bool) -> None:
                 document = read_weave(file)
                 content, over, center, unit = rods_of_document(document, Path(file).name)
                 start = rods_of_file(content, over)
+        own = _check_other_weave(folder, Path(file))
         with timed(seconds, "relax"):
             found = relaxation.relax(
                 start,
@@ -57,8 +58,10 @@ def relax(file: str, output: str, as_json: bool) -> None:
                 rested = at_rest(document, found.rods, points, normals, unit)
                 rested["metrics"] = rested["metrics"] | {"relax": result}
                 name, text = "relaxed.json", json.dumps(rested, allow_nan=False) + "\n"
-            report = json.dumps({"file": Path(file).name, "relax": result}, indent=1, allow_nan=False) + "\n"
-            files = write_texts({name: text, "report.json": report}, folder)
+            # Beside its own weave: the design and what the report says of it stay, what was cut to another
+            # shape at rest does not.
+            said = (earlier_report(folder) if own else {}) | {"file": Path(file).name, "relax": result}
+            files = write_reported(text_jobs({name: text}), said, folder, kept=DESIGN if own else ())
     seconds["total"] = sum(seconds.values())
     if as_json:
         print_json(
@@ -88,6 +91,19 @@ def relax(file: str, output: str, as_json: bool) -> None:
             ("written to", ", ".join(str(path) for path in files.values())),
         ],
     )
+
+
+def _check_other_weave(folder: Path, file: Path) -> bool:
+    """Whether a folder holds the weave of a file; one that holds another weave is refused."""
+    from geoweave.output import OutputError
+    from geoweave.outputs import DESIGN
+
+    there = [folder / name for name in DESIGN if (folder / name).is_file()]
+    if any(path.read_bytes() == file.read_bytes() for path in there):
+        return True
+    if there:
+        raise OutputError(f"{folder}: holds another weave ({there[0].name}); name another folder with -o")
+    return False
 
 
 def _yes(holds: bool) -> str:

@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Any
 
 from geoweave.errors import GeoweaveError
-from geoweave.output import OutputError, check_writable
-from geoweave.outputs import write_texts
+from geoweave.output import OutputError, check_writable, sha256_of, written_together
+from geoweave.outputs import listed_files, text_jobs, write_texts
 from geoweave.places import package_version
 from geoweave.pools import on_cluster, on_this_machine
 from geoweave.terminal import Surface
@@ -308,7 +308,7 @@ def _kept(job: Job, folder: Path) -> Row | None:
     try:
         record = json.loads((target / RECORD).read_text(encoding="utf-8"))
         same = record["key"] == job.key
-        whole = all(_sha256(target / name) == digest for name, digest in record["files"].items())
+        whole = all(sha256_of(target / name) == digest for name, digest in record["files"].items())
         result = _told(record["result"], job, target, record["files"])
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
@@ -322,12 +322,11 @@ def _settled(job: Job, outcome: Mapping[str, Any], folder: Path) -> Row:
         return Row(job.mesh, job.name, "failed", outcome["problem"], None, outcome.get("fault", ""))
     try:
         target.mkdir(exist_ok=True)
-        before = _forget(target)
-        files = {path.name: _sha256(path) for path in sorted(made.iterdir())}
+        stale = listed_files(target)
+        (target / RECORD).unlink(missing_ok=True)
+        files = {path.name: sha256_of(path) for path in sorted(made.iterdir())}
         for name in files:
             os.replace(made / name, target / name)
-        for name in before - set(files):
-            (target / name).unlink(missing_ok=True)
         record = {
             "format": "geoweave-sweep",
             "version": 1,
@@ -335,7 +334,9 @@ def _settled(job: Job, outcome: Mapping[str, Any], folder: Path) -> Row:
             "files": files,
             "result": outcome["result"],
         }
-        write_texts({RECORD: json.dumps(record, indent=1, allow_nan=False) + "\n"}, target)
+        text = json.dumps(record, indent=1, allow_nan=False) + "\n"
+        gone = {name: digest for name, digest in stale.items() if name not in files}
+        written_together(text_jobs({RECORD: text}), target, stale=gone)
     except OSError as error:
         return Row(job.mesh, job.name, "failed", f"{target}: cannot be written ({error.strerror})")
     except OutputError as error:
@@ -343,28 +344,10 @@ def _settled(job: Job, outcome: Mapping[str, Any], folder: Path) -> Row:
     return Row(job.mesh, job.name, "done", result=_told(outcome["result"], job, target, files))
 
 
-def _forget(target: Path) -> set[str]:
-    """Take the record away, as the files are no longer what it says; returns the names of those files."""
-    record = target / RECORD
-    names: set[str] = set()
-    with suppress(OSError, ValueError, KeyError, TypeError):
-        names = {
-            name
-            for name in json.loads(record.read_text(encoding="utf-8"))["files"]
-            if name == Path(name).name
-        }
-    record.unlink(missing_ok=True)
-    return names
-
-
 def _told(result: Mapping[str, Any], job: Job, target: Path, files: Iterable[str]) -> dict[str, Any]:
     """The result with the names by which people know the mesh and the files."""
     places = {"output": str(target / "weave.json"), "files": [str(target / name) for name in files]}
     return {**result, "mesh": job.mesh, **places}
-
-
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _drop_leftovers(folder: Path) -> None:

@@ -31,6 +31,7 @@ from geoweave.terminal import (
 if TYPE_CHECKING:
     from geoweave.equilibrium import Step
     from geoweave.inspection import Inspection
+    from geoweave.output import Job
     from geoweave.prepare import Prepared
     from geoweave.woven import Weave
 
@@ -175,16 +176,17 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
             # A pattern is cut to the lengths at rest; it is laid out before anything is written.
             lies = rest.document() if cut and rest is not None else None
             strips = pattern_of(lies or pattern) if cut else None
-            files = write_weave(pattern, folder, wanted, report, rest)
             without: dict[str, str] = {}
+            more: dict[str, Job] = {}
             if strips is not None:
                 bench = fabrication.Bench(title=Path(surface.name).stem)
                 try:
-                    files |= fabrication.write(strips, folder, cut, bench=bench, weave=pattern, rest=lies)
+                    more = fabrication.jobs_of(strips, cut, bench=bench, weave=pattern, rest=lies)
                 except FieldError as error:
                     if set(cut) - set(asked.spare):
                         raise
                     without = {name: str(error) for name in cut}
+            files = write_weave(pattern, folder, wanted, report, rest, more)
     seconds["total"] = sum(seconds.values())
     result = {
         "mesh": surface.name,

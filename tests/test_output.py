@@ -1,9 +1,11 @@
+import hashlib
 import os
 import stat
+from pathlib import Path
 
 import pytest
 
-from geoweave.output import OutputError, check_writable, replacing
+from geoweave.output import Job, OutputError, check_writable, replacing, sha256_of, written_together
 
 
 def contents(folder):
@@ -82,3 +84,32 @@ def test_an_error_about_another_file_is_left_alone(tmp_path):
     with pytest.raises(FileNotFoundError), replacing(tmp_path / "out.npz"):
         (tmp_path / "input.txt").read_text()
     assert contents(tmp_path) == {}
+
+
+def test_files_of_an_earlier_run_go_unless_they_were_changed(tmp_path: Path) -> None:
+    def writing(text: str) -> Job:
+        return lambda path: path.write_text(text)
+
+    listed: dict[str, str] = {}
+
+    def index(path: Path, digests: dict[str, str]) -> None:
+        listed.update(digests)
+        path.write_text(" ".join(digests))
+
+    jobs = {name: writing(name) for name in ("a", "b", "c")}
+    files = written_together(jobs, tmp_path, index=("list", index))
+    assert list(files) == ["a", "b", "c", "list"]
+    assert files["list"].read_text() == "a b c"
+    assert listed == {name: sha256_of(tmp_path / name) for name in ("a", "b", "c")}
+    assert listed["a"] == hashlib.sha256(b"a").hexdigest()
+    (tmp_path / "c").write_text("mine now")
+    (tmp_path / "foreign").write_text("x")
+    stale = listed | {"never there": "0"}
+    # nothing goes when something cannot be written
+    with pytest.raises(ZeroDivisionError):
+        written_together({"a": lambda path: 1 / 0}, tmp_path, stale=stale)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "b", "c", "foreign", "list"]
+    written_together({"a": writing("new")}, tmp_path, stale=stale)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a", "c", "foreign", "list"]
+    assert (tmp_path / "a").read_text() == "new"
+    assert (tmp_path / "c").read_text() == "mine now"

@@ -11,8 +11,8 @@ import pytest
 
 from geoweave import shapes
 from geoweave.interlacing import Crossings
-from geoweave.output import OutputError
-from geoweave.outputs import FORMATS, check_formats, rod_file, write_weave
+from geoweave.output import OutputError, sha256_of
+from geoweave.outputs import FORMATS, check_formats, listed_files, rod_file, write_weave
 from geoweave.rodfiles import read_rods
 from geoweave.weave import weave_pattern
 from geoweave.woven import Weave
@@ -85,3 +85,43 @@ def test_what_cannot_be_written(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match="file"):
         write_weave(pattern(), tmp_path / "file")
     assert rod_file(pattern()).young > 0
+
+
+def test_a_later_run_leaves_nothing_that_contradicts_it(tmp_path: Path) -> None:
+    def write_both(path: Path) -> None:
+        path.write_text("a pattern")
+
+    first = write_weave(
+        pattern(), tmp_path, ["rod"], more={"pattern.svg": write_both, "guide.html": write_both}
+    )
+    assert list(first) == ["weave.json", "weave.rod", "pattern.svg", "guide.html", "report.json"]
+    listed = listed_files(tmp_path)
+    assert listed == {name: sha256_of(path) for name, path in first.items() if name != "report.json"}
+    (tmp_path / "guide.html").write_text("with my notes")
+    (tmp_path / "photo.jpg").write_text("mine")
+    (tmp_path / "pattern.dxf").write_text("mine too, though geoweave has a file of that name")
+    write_weave(pattern().sized(100.0), tmp_path)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "guide.html",
+        "pattern.dxf",
+        "photo.jpg",
+        "report.json",
+        "weave.json",
+    ]
+    assert list(listed_files(tmp_path)) == ["weave.json"]
+
+
+@pytest.mark.parametrize(
+    "report",
+    ["", "[]", "{}", '{"files": 3}', '{"files": ["weave.json"]}', '{"files": {"../away": "%s", "": "x"}}'],
+)
+def test_a_report_that_lists_nonsense_does_no_harm(tmp_path: Path, report: str) -> None:
+    away = tmp_path / "away"
+    away.write_text("x")
+    folder = tmp_path / "in"
+    folder.mkdir()
+    (folder / "report.json").write_text(report.replace("%s", sha256_of(away)))
+    assert "../away" not in listed_files(folder)
+    write_weave(pattern(), folder)
+    assert away.read_text() == "x"
+    assert sorted(path.name for path in folder.iterdir()) == ["report.json", "weave.json"]

@@ -44,6 +44,37 @@ def test_a_file_is_relaxed(name: str, tmp_path: Path, capfd: pytest.CaptureFixtu
         assert "at rest" in capfd.readouterr().out
 
 
+def test_beside_its_design_what_was_cut_to_another_shape_goes(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def cut(path: Path) -> None:
+        path.write_text("cut to other lengths")
+
+    write_weave(weave(), tmp_path, ["rod"], more={"pattern.svg": cut})
+    before = json.loads((tmp_path / "report.json").read_text())
+    design = {name: (tmp_path / name).read_bytes() for name in ("weave.json", "weave.rod")}
+    assert cli.main(["relax", str(tmp_path / "weave.json"), "-o", str(tmp_path), "--json"]) == 0
+    result = json.loads(capfd.readouterr().out)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "relaxed.json",
+        "report.json",
+        "weave.json",
+        "weave.rod",
+    ]
+    assert {name: (tmp_path / name).read_bytes() for name in design} == design
+    after = json.loads((tmp_path / "report.json").read_text())
+    assert after["places"] == before["places"]
+    assert after["relax"]["energy_after"] == result["energy_after"]
+    assert set(after["files"]) == {"weave.json", "weave.rod", "relaxed.json"}
+    # a weave that is not the one that lies there
+    other = tmp_path.parent / f"{tmp_path.name}-other"
+    write_weave(weave().sized(40.0), other)
+    whole = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    assert cli.main(["relax", str(other / "weave.json"), "-o", str(tmp_path)]) == 2
+    assert "holds another weave (weave.json); name another folder" in capfd.readouterr().err
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == whole
+
+
 def test_what_cannot_be_relaxed(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "bad.rod").write_text("-217 2 x")
     (tmp_path / "bad.json").write_text("{}")
