@@ -16,6 +16,7 @@ if sys.platform.startswith("linux"):
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
 from geoweave.viz.charts import Drop, alternation_chart, convergence_chart, drop_chart
+from geoweave.viz.film import Film
 from geoweave.viz.gallery import (
     VIEWS,
     Panel,
@@ -71,6 +72,7 @@ __all__ = [
     "Arrows",
     "Drop",
     "Family",
+    "Film",
     "Lines",
     "Note",
     "Page",
