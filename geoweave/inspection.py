@@ -140,6 +140,7 @@ class Inspection:
             "share_that_fits": self.share_that_fits,
             "widths_that_fit": [{"share": share, "width": width} for share, width in self.widths],
             "crossing_angle_deg": metrics["crossing_angle_deg"],
+            "alternation": metrics["alternation"],
             "limits": {
                 "angle_deg": self.limits.angle,
                 "gap": self.limits.gap * spacing,

@@ -8,7 +8,7 @@ greedily; `optimal` finds the best labels with a proof (geoweave.parity).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -176,6 +176,8 @@ class Interlacing:
     """Triangles in which each ribbon lies over one of the others and under the other one."""
     triples_proven: bool = False
     """Whether no choice that breaks as few relations interleaves more triangles."""
+    out_of_time: bool = False
+    """Whether the search was ended by the clock: only then may another run find something else."""
 
     @property
     def alternation(self) -> float:
@@ -257,7 +259,7 @@ def optimal(crossings: Crossings, time_limit: float = TIME_LIMIT) -> Interlacing
         len(crossings), relations.first, relations.second, relations.parity, weight, time_limit
     )
     found = judged(crossings, best.labels)
-    return Interlacing(found.over, found.broken, best.bound, found.triples, found.interleaved, best.best_cost)
+    return replace(found, bound=best.bound, triples_proven=best.best_cost, out_of_time=best.out_of_time)
 
 
 def merged(crossings: Crossings, near: float, lengths: Scalars | None = None) -> Merge:

@@ -266,10 +266,7 @@ def _rows(
         ("crossings", text_of(result["crossings"])),
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
         ("smallest angle", f"{angle['smallest']:.1f} degrees"),
-        (
-            "alternation",
-            f"{turns['fraction']:.1%} of neighbours; at most {turns['optimal_fraction_bound']:.1%}",
-        ),
+        ("alternation", _alternation(turns)),
         ("loose ends", text_of(result["loose_ends"])),
     ]
     rows += _rest(result["relax"], unit)
@@ -282,6 +279,15 @@ def _rows(
         ("written to", ", ".join(result["files"])),
     ]
     return rows
+
+
+def _alternation(turns: dict[str, Any]) -> str:
+    """How often ribbons change sides, and whether more often is possible."""
+    said = f"{turns['fraction']:.1%} of neighbours; at most {turns['optimal_fraction_bound']:.1%}"
+    if turns["proven"]:
+        return said
+    ended = "time ran out, another run may find more" if turns["out_of_time"] else "the effort was used up"
+    return f"{said} (not proven to be out of reach: {ended})"
 
 
 def _progress(stage: str, step: Step) -> str:

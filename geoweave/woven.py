@@ -153,6 +153,7 @@ class Weave:
                 "fraction": self.interlacing.alternation,
                 "optimal_fraction_bound": self.interlacing.alternation_bound,
                 "proven": self.interlacing.proven,
+                "out_of_time": self.interlacing.out_of_time,
                 "greedy_fraction": greedy(self.passages).alternation,
             },
             "deviation_deg": {"median": aligned.median, "p95": aligned.p95},

@@ -206,6 +206,7 @@ def test_the_document_counts_its_places() -> None:
     document = found.document()
     assert (document["units"], document["width"]) == ("mm", pytest.approx(8.0))
     assert document["metres"] == pytest.approx(document["total_length"] / 1000)
+    assert document["alternation"] == made().metrics()["alternation"]
     assert sum(document["counts"].values()) == len(document["places"])
     assert set(document["counts"]) == set(KINDS)
     names = set(made().names)

@@ -149,6 +149,8 @@ def test_the_bound_holds_when_time_runs_out():
     crossings = triaxial(20, 1.0, 0)
     hasty, patient = optimal(crossings, 1e-9), optimal(crossings, 60.0)
     assert patient.proven
+    assert (hasty.out_of_time, patient.out_of_time) == (True, False)
+    assert not hasty.proven
     assert hasty.bound <= patient.bound <= hasty.broken.sum()
     assert 0.5 < hasty.alternation <= patient.alternation <= hasty.alternation_bound
 

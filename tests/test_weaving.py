@@ -30,6 +30,22 @@ def test_each_kind_of_place_has_its_words() -> None:
         assert "the worst, 4.25, at (1, 2.5, -3), A1 B2" in text
 
 
+def test_the_table_says_when_a_bound_is_not_proven() -> None:
+    sides = report().weave.interlacing
+    better = dataclasses.replace(sides, bound=max(int(sides.broken.sum()) - 1, 0))
+    for found, words in (
+        (sides, ()),
+        (dataclasses.replace(better, out_of_time=True), ("not proven", "time ran out")),
+        (better, ("not proven", "effort was used up")),
+    ):
+        turns = dataclasses.replace(report().weave, interlacing=found).metrics()["alternation"]
+        text = weaving._alternation(turns)
+        assert f"{turns['fraction']:.1%} of neighbours; at most {turns['optimal_fraction_bound']:.1%}" in text
+        assert all(word in text for word in words)
+        assert ("not proven" in text) is not turns["proven"]
+        assert turns["out_of_time"] is ("time ran out" in text)
+
+
 def test_a_surface_of_few_triangles_is_remeshed_first(tmp_path, capfd: pytest.CaptureFixture[str]) -> None:
     ball = write(tmp_path, "ball", "off", *sphere(3))
     assert cli.main(["weave", str(ball), "--no-relax", "--json", "-o", str(tmp_path / "woven")]) == 0
