@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help figures notebooks test lint bench lock clean report replicate
+.PHONY: help figures notebooks test lint bench lock clean report site replicate
 
 PYTHON  ?= python3
 PROFILE ?= default
@@ -74,6 +74,9 @@ replicate: $(STAMP) ## draw Fig. 7 into build/ and compare its numbers with the 
 
 report: $(STAMP) ## write the claims into README.md, times and memory into REPRODUCING.md
 	@$(PY) -m geoweave.runner report
+
+site: $(STAMP) ## write the notebooks as pages for a browser, without a network: build/site/index.html
+	@$(PY) -m geoweave.site
 
 lock: ## choose versions anew for requirements.lock (LOCKFLAGS=--upgrade for the newest)
 	@$(PYTHON) -m venv build/uv

@@ -1,0 +1,287 @@
+"""The notebooks as pages that are read in a browser without a network: ``make site`` writes ``build/site``.
+
+Nothing is executed: text, code and the stored outputs of ``notebooks/``, one page each, an index with
+thumbnails, and the claims of the paper beside our numbers.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import base64
+import html
+import io
+import re
+import shutil
+import sys
+import tempfile
+from collections.abc import Sequence
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from PIL import Image
+
+from geoweave import claims, notebooks
+from geoweave.errors import GeoweaveError
+from geoweave.output import OutputError
+from geoweave.places import repository
+from geoweave.site_font import NOTICE, characters, math_font
+from geoweave.site_text import code_html, code_style, plain, text_html
+
+__all__ = ["Page", "build", "main", "page_of"]
+
+THUMBNAIL = 640
+"""Pixels across a thumbnail."""
+
+
+class Page(NamedTuple):
+    """A notebook as HTML."""
+
+    name: str
+    title: str
+    """Without elements."""
+    heading: str
+    """With its mathematics."""
+    question: str
+    """The first paragraph."""
+    body: str
+    pictures: dict[str, bytes]
+    """PNG files by name."""
+
+
+def build(root: Path, target: Path) -> list[Path]:
+    """Write the pages of a checkout's notebooks into a folder, which is replaced as a whole.
+
+    Parameters
+    ----------
+    root : the checkout
+    target : the folder; its parent is made if it is not there
+
+    Raises
+    ------
+    NotebookError
+        If a notebook cannot be read, or an equation in it cannot be set.
+    ClaimError
+        If the list of claims does not fit the tables under ``figures/``.
+    OutputError
+        If the folder is something else than an earlier site.
+    """
+    if (
+        target.exists()
+        and not (target / "site.css").is_file()
+        and (target.is_file() or any(target.iterdir()))
+    ):
+        raise OutputError(f"{target}: is there and is no earlier site; name another folder")
+    names = notebooks.names(root)
+    known = frozenset(names)
+    pages = [page_of(notebooks.read(notebooks.path_of(root, name)), name, known) for name in names]
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as scratch:
+        fresh = Path(scratch) / "site"
+        (fresh / "images").mkdir(parents=True)
+        style = files("geoweave").joinpath("data", "site.css").read_text(encoding="utf-8")
+        _write(fresh / "site.css", f"/* {NOTICE} */\n{style}\n{code_style()}\n")
+        (fresh / "math.woff").write_bytes(math_font(characters(page.body for page in pages)))
+        for before, page, after in zip([None, *pages[:-1]], pages, [*pages[1:], None], strict=True):
+            for name, data in page.pictures.items():
+                (fresh / "images" / name).write_bytes(data)
+            _write(fresh / f"{page.name}.html", _framed(page.title, _article(page, before, after)))
+        cards = "\n".join(_card(root, page, fresh) for page in pages)
+        _write(fresh / "index.html", _framed(TITLE, _index(cards, _claims(root, known))))
+        if target.exists():
+            shutil.rmtree(target)
+        fresh.rename(target)
+    return sorted(path for path in target.rglob("*") if path.is_file())
+
+
+def page_of(notebook: Any, name: str, known: frozenset[str] = frozenset()) -> Page:
+    """A notebook as HTML, from what is stored in it.
+
+    Raises
+    ------
+    NotebookError
+        If an equation cannot be set.
+    """
+    parts: list[str] = []
+    pictures: dict[str, bytes] = {}
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            parts.append(f'<section class="text">\n{text_html(cell.source, known)}</section>')
+        elif cell.cell_type == "code":
+            lines = len(cell.source.splitlines())
+            label = "parameters" if "parameters" in cell.metadata.get("tags", []) else "code"
+            parts.append(
+                f'<details class="code"><summary>{label}, {lines} line{"s" * (lines != 1)}</summary>\n'
+                f"{code_html(cell.source)}</details>"
+            )
+            parts += [_output(output, name, pictures) for output in cell.outputs]
+    heading = re.search(r"<h1>(.*?)</h1>", "\n".join(parts), re.S)
+    question = re.search(
+        r"</h1>\s*<p>(?:<strong>The question\.</strong>\s*)?(.*?)</p>", "\n".join(parts), re.S
+    )
+    shown = heading[1] if heading else html.escape(name)
+    return Page(
+        name, plain(shown), shown, question[1] if question else "", "\n".join(filter(None, parts)), pictures
+    )
+
+
+def _output(output: Any, name: str, pictures: dict[str, bytes]) -> str:
+    """A stored output: a picture, or text in a box that may be scrolled."""
+    if output.output_type == "stream":
+        return _printed(output.text)
+    if output.output_type == "error":
+        return _printed("\n".join(re.sub(r"\x1b\[[\d;]*m", "", line) for line in output.traceback))
+    data = output.get("data", {})
+    said = str(data.get("text/plain", ""))
+    if "image/png" not in data:
+        return _printed(said)
+    png = base64.b64decode(data["image/png"])
+    file = f"{name}-{len(pictures) + 1}.png"
+    pictures[file] = png
+    width, height = Image.open(io.BytesIO(png)).size
+    alt = html.escape(_alt(said), quote=True)
+    return (
+        f'<figure><a href="images/{file}"><img src="images/{file}" alt="{alt}" width="{width}" '
+        f'height="{height}" loading="lazy"></a></figure>'
+    )
+
+
+def _printed(text: str) -> str:
+    return f'<pre class="out" tabindex="0">{html.escape(text.rstrip())}</pre>' if text.strip() else ""
+
+
+def _alt(said: str) -> str:
+    """What a picture shows: the words in ``Picture('...')``."""
+    found = re.fullmatch(r"Picture\((.*)\)", said, re.S)
+    try:
+        return str(ast.literal_eval(found[1])) if found else ""
+    except (ValueError, SyntaxError):
+        return ""
+
+
+def _framed(title: str, body: str) -> str:
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{html.escape(title)}</title>\n"
+        f'<link rel="stylesheet" href="site.css">\n</head>\n<body>\n{body}\n</body>\n</html>\n'
+    )
+
+
+def _article(page: Page, before: Page | None, after: Page | None) -> str:
+    def way(other: Page | None, label: str, side: str) -> str:
+        return (
+            f'<a class="{side}" href="{other.name}.html" title="{html.escape(other.title, quote=True)}">'
+            f"{label}</a>"
+            if other
+            else f'<span class="{side}"></span>'
+        )
+
+    bar = (
+        f'<nav>{way(before, "Before", "before")}<a href="index.html">All figures</a>'
+        f"{way(after, 'Next', 'after')}</nav>"
+    )
+    source = f'<p class="source">notebooks/{page.name}.ipynb</p>'
+    return f"{bar}\n<main>\n{page.body}\n{source}\n</main>\n{bar}"
+
+
+def _card(root: Path, page: Page, fresh: Path) -> str:
+    """A notebook on the index: its first figure, its heading, its question."""
+    picture = next(iter(page.pictures.values()), None)
+    drawn = [root / "figures" / f"{name}.png" for name in _published(root, page.name)]
+    source: Any = next((path for path in drawn if path.is_file()), picture and io.BytesIO(picture))
+    shown = ""
+    if source:
+        with Image.open(source) as image:
+            small = image.convert("RGB")
+        small.thumbnail((THUMBNAIL, THUMBNAIL), Image.Resampling.LANCZOS)
+        file = f"{page.name}-small.jpg"
+        small.save(fresh / "images" / file, quality=85, optimize=True)
+        width, height = small.size
+        shown = f'<img src="images/{file}" alt="" width="{width}" height="{height}" loading="lazy">'
+    return (
+        f'<li><a href="{page.name}.html"><div class="picture">{shown}</div>'
+        f"<h2>{page.heading}</h2></a>\n<p>{page.question}</p></li>"
+    )
+
+
+def _published(root: Path, name: str) -> list[str]:
+    return notebooks.published(notebooks.read(notebooks.path_of(root, name)))
+
+
+def _claims(root: Path, known: frozenset[str]) -> str:
+    """All claims as a table; a notebook that checks one is a link."""
+    rows = []
+    for claim in claims.read(root):
+        checks = [_check(test, known) for test in dict.fromkeys(t.partition("::")[0] for t in claim.tests)]
+        cells = [
+            html.escape(each) for each in (claim.section, claim.says, claim.paper, claims.ours(root, claim))
+        ]
+        labels = ("section", "claim", "paper", "here", "checked by")
+        rows.append(
+            "<tr>"
+            + "".join(
+                f'<td data-label="{label}">{cell}</td>'
+                for label, cell in zip(labels, [*cells, ", ".join(checks)], strict=True)
+            )
+            + "</tr>"
+        )
+    head = "".join(f"<th>{each}</th>" for each in ("section", "claim", "paper", "here", "checked by"))
+    return f"<table><thead><tr>{head}</tr></thead>\n<tbody>\n" + "\n".join(rows) + "\n</tbody></table>"
+
+
+def _check(file: str, known: frozenset[str]) -> str:
+    stem = Path(file).stem
+    return f'<a href="{stem}.html">{stem}</a>' if stem in known else f"<code>{html.escape(stem)}</code>"
+
+
+TITLE = "Weaving Geodesic Foliations, reproduced"
+
+
+def _index(cards: str, table: str) -> str:
+    return f"""<header>
+<h1>{TITLE}</h1>
+<p>Every figure and number of <em>Weaving Geodesic Foliations</em> (Vekhter, Zhuo, Gil Fandino, Huang,
+Vouga; ACM TOG 38(4):34, SIGGRAPH 2019, <a href="https://doi.org/10.1145/3306346.3323043">doi
+10.1145/3306346.3323043</a>) that can be computed, computed again. Each page is a notebook: the question, the
+equation, the picture, what to see in it, what the paper says, what we measured.
+<a href="#claims">All claims, paper and ours</a>.</p>
+</header>
+<main class="wide">
+<ul class="cards">
+{cards}
+</ul>
+<h2 id="claims">Claim by claim</h2>
+<p>Numbers are read from the tables that the notebooks write.</p>
+<div class="claims">
+{table}
+</div>
+</main>
+<footer><p>Written by <code>make site</code> from the outputs stored in the notebooks. Code under the MIT
+licence, text and figures under CC BY 4.0.</p></footer>"""
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8", newline="\n")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """What the Makefile calls; status 2 if the pages cannot be written."""
+    parser = argparse.ArgumentParser(prog="python -m geoweave.site", description=__doc__)
+    parser.add_argument("-o", "--output", type=Path, help="the folder (build/site)")
+    options = parser.parse_args(arguments)
+    try:
+        root = repository()
+        target = options.output or root / "build" / "site"
+        written = build(root, target)
+    except GeoweaveError as error:
+        print(f"geoweave: {error}", file=sys.stderr)
+        return 2
+    size = sum(path.stat().st_size for path in written) / 1e6
+    print(f"{target / 'index.html'}: {len(written)} files, {size:.1f} MB")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,82 @@
+"""A font for the mathematics of the pages: browsers set MathML well only with one that is made for it.
+
+STIX Two Math (SIL Open Font License 1.1) comes inside ziamath (MIT); the pages take those of its characters
+that they use, some fifty kilobytes. The font is not kept here.
+"""
+
+from __future__ import annotations
+
+import html
+import importlib.util
+import io
+import re
+import unicodedata
+from collections.abc import Iterable
+from pathlib import Path
+
+from fontTools import subset
+from fontTools.ttLib import TTFont
+
+from geoweave.output import OutputError
+
+__all__ = ["NOTICE", "characters", "math_font"]
+
+NOTICE = "STIX Two Math, (c) 2001-2020 The STIX Fonts Project Authors, SIL Open Font License 1.1"
+
+ITALIC = {
+    unicodedata.normalize("NFKC", chr(code)): chr(code)
+    for code in range(0x1D400, 0x1D800)
+    if re.match("MATHEMATICAL ITALIC (SMALL|CAPITAL)", unicodedata.name(chr(code), ""))
+} | {"h": "\u210e"}
+"""What a browser makes of a letter that stands for a quantity."""
+
+
+def characters(pages: Iterable[str]) -> str:
+    """All characters that the equations in pieces of HTML use, each once, in order."""
+    found: set[str] = set()
+    for page in pages:
+        for equation in re.findall(r"<math.*?</math>", page, re.S):
+            found |= set(html.unescape(re.sub(r"<[^>]*>", "", equation)))
+    found |= {ITALIC[each] for each in found if each in ITALIC}
+    return "".join(sorted(each for each in found if not each.isspace()))
+
+
+def math_font(text: str, source: Path | None = None) -> bytes:
+    """The font with these characters and what large ones are put together from, as WOFF.
+
+    Parameters
+    ----------
+    text : the characters
+    source : the font as TrueType or OpenType; by default that of the ziamath that is installed
+
+    Raises
+    ------
+    OutputError
+        If it is not there, is no font for mathematics, or has not all of the characters.
+    """
+    place = source or _installed()
+    try:
+        font = TTFont(place, recalcTimestamp=False)
+    except Exception as error:  # fontTools raises what its readers stumble over
+        raise OutputError(f"{place}: cannot be read as a font ({error}); {_REMEDY}") from error
+    missing = sorted(each for each in text if ord(each) not in (font.getBestCmap() or {}))
+    if "MATH" not in font or missing:
+        raise OutputError(f"{place}: has no {' '.join(missing) or 'table for mathematics'}; {_REMEDY}")
+    options = subset.Options(layout_features=["*"], hinting=False, notdef_outline=True)
+    cut = subset.Subsetter(options)
+    cut.populate(text=text)
+    cut.subset(font)
+    font.flavor = "woff"
+    file = io.BytesIO()
+    font.save(file)
+    return file.getvalue()
+
+
+def _installed() -> Path:
+    found = importlib.util.find_spec("ziamath")
+    if found is None or not found.submodule_search_locations:
+        raise OutputError(f"ziamath, whose font sets the mathematics, is not installed; {_REMEDY}")
+    return Path(found.submodule_search_locations[0]) / "fonts" / "STIXTwoMath-Regular.ttf"
+
+
+_REMEDY = "install the extra 'notebooks' anew: pip install geoweave[notebooks]"

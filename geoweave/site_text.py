@@ -1,0 +1,140 @@
+"""Text, mathematics and code of a notebook as HTML that needs no script and no network.
+
+TeX becomes MathML, which today's browsers set by themselves (latex2mathml, MIT, 0.1 MB). Compared with it
+MathJax and KaTeX set more of TeX, but bring 0.6 to 4 MB of scripts and fonts to every page.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+import unicodedata
+from functools import cache
+from typing import Any
+from xml.etree import ElementTree
+
+from latex2mathml.converter import convert
+from markdown_it import MarkdownIt
+from mdit_py_plugins.dollarmath import dollarmath_plugin
+from pygments import highlight
+from pygments.formatters import HtmlFormatter
+from pygments.lexers import PythonLexer
+
+from geoweave.notebooks import NotebookError
+
+__all__ = ["code_html", "code_style", "equation", "plain", "text_html"]
+
+
+def text_html(source: str, pages: frozenset[str] = frozenset()) -> str:
+    """Markdown with mathematics between dollars, as HTML.
+
+    Parameters
+    ----------
+    source : Markdown; HTML in it is shown as text
+    pages : names of notebooks that have a page; links to other files of the checkout become plain text
+
+    Raises
+    ------
+    NotebookError
+        If an equation is not to be understood.
+    """
+    tokens = _markdown().parse(source)
+    for token in tokens:
+        _relinked(token.children or [], pages)
+    return str(_markdown().renderer.render(tokens, _markdown().options, {}))
+
+
+def equation(tex: str, display: bool = False) -> str:
+    """An equation as MathML; one on a line of its own may be scrolled where it is too wide.
+
+    Raises
+    ------
+    NotebookError
+        If it is not to be understood.
+    """
+    try:
+        found = convert(tex.strip(), display="block" if display else "inline")
+    except Exception as error:  # the converter has many kinds, some of them without a common base
+        raise NotebookError(f"the equation ${tex}$ cannot be set ({error!r}); write it anew") from error
+    bare = re.sub(r"\\.", "", tex)
+    found = found.replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
+    whole = all(len(part) == PARTS.get(part.tag, len(part)) for part in ElementTree.fromstring(found).iter())
+    if "\\" in plain(found) or bare.count("{") != bare.count("}") or not whole:
+        raise NotebookError(f"the equation ${tex}$ has an unknown command or lacks a part; write it anew")
+    found = re.sub(r'<mi mathvariant="([a-z-]+)">([^<]*)</mi>', _lettered, found)
+    # An exponent of a letter with a hat stands where it stands without the hat, as TeX has it.
+    found = re.sub(_HAT, r'\1<mpadded height="0.48em">\2</mpadded>', found)
+    return f'<div class="equation">{found}</div>' if display else found
+
+
+PARTS = {"mfrac": 2, "mroot": 2, "msub": 2, "msup": 2, "mover": 2, "munder": 2, "msubsup": 3, "munderover": 3}
+"""How many parts elements of MathML have."""
+
+_HAT = (
+    r"(<msu(?:p|bsup)>)"
+    r"(<mover[^>]*>(?:<mrow>)?<mi>[^<]*</mi>(?:</mrow>)?<mo>[^<]*</mo></mover>)"
+)
+
+
+def _lettered(letters: re.Match[str]) -> str:
+    """Bold, script and other letters as characters of their own: browsers no longer know ``mathvariant``."""
+    if letters[1] == "normal":
+        return letters[0]
+    prefix = letters[1].replace("-", " ").upper()
+    form = re.compile(rf"(MATHEMATICAL )?{prefix} (SMALL|CAPITAL|DIGIT) \w+")
+    known = {
+        unicodedata.normalize("NFKC", chr(code)): chr(code)
+        for code in (*range(0x2100, 0x2150), *range(0x1D400, 0x1D800))
+        if form.fullmatch(unicodedata.name(chr(code), ""))
+    }
+    return f"<mi>{''.join(known.get(each, each) for each in html.unescape(letters[2]))}</mi>"
+
+
+def plain(markup: str) -> str:
+    """The text of a piece of HTML without its elements."""
+    return html.unescape(re.sub(r"<[^>]*>", "", markup)).strip()
+
+
+def code_html(source: str) -> str:
+    """Python as HTML with classes for `code_style`."""
+    return str(highlight(source, PythonLexer(), _formatter()))
+
+
+def code_style() -> str:
+    """The style sheet of `code_html`."""
+    return str(_formatter().get_style_defs(".highlight"))
+
+
+@cache
+def _formatter() -> Any:
+    return HtmlFormatter(style="friendly", cssclass="highlight", wrapcode=True)
+
+
+@cache
+def _markdown() -> MarkdownIt:
+    markdown = MarkdownIt("commonmark", {"html": False, "typographer": False}).enable("table")
+    # Called anew for every equation, so that one that fails names itself.
+    return markdown.use(
+        dollarmath_plugin,
+        renderer=lambda tex, options: equation(tex, options["display_mode"]),
+    )
+
+
+def _relinked(tokens: list[Any], pages: frozenset[str]) -> None:
+    """Lead links to notebooks to their pages; leave out those to files that the site has not."""
+    open_ones: list[Any] = []
+    for token in tokens:
+        if token.type == "image":
+            raise NotebookError(
+                "a picture in the text of a notebook would be missing here; draw it in a cell"
+            )
+        if token.type == "link_open":
+            target = str(token.attrs["href"])
+            name = re.fullmatch(r"(?:\.\./notebooks/|\./)?([\w-]+)\.ipynb", target)
+            if name and name[1] in pages:
+                token.attrs["href"] = f"{name[1]}.html"
+            elif not re.match(r"https?://|#", target):
+                token.tag, token.attrs = "span", {}
+            open_ones.append(token)
+        if token.type == "link_close":
+            token.tag = open_ones.pop().tag
