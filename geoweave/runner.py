@@ -31,7 +31,10 @@ from geoweave.output import replacing
 from geoweave.places import repository
 from geoweave.progress import Progress
 
-UNRELATED = frozenset({"__main__.py", "claims.py", "cli.py", "progress.py", "probe.py"})
+UNRELATED = frozenset(
+    {"__main__.py", "claims.py", "cli.py", "progress.py", "probe.py"}
+    | {"site.py", "site.css", "site_font.py", "site_text.py"}
+)
 """Modules that no notebook imports: a change in them leaves every figure as it is."""
 
 CLAIMS = ("<!-- claims: written by make report -->", "<!-- end of claims -->")
