@@ -98,7 +98,7 @@ $(STAMP): requirements.lock pyproject.toml
 	  echo "Python's venv is missing. Run: sudo apt-get install python3-venv" >&2; exit 1; }
 	@if [ -e $(VENV)/.incomplete ] || ! $(PY) -c '' 2>/dev/null; then rm -rf $(VENV); fi
 	@mkdir -p $(VENV) && rm -f $(STAMP) && touch $(VENV)/.incomplete
-	@echo "Installing the pinned packages into $(VENV) (about 350 MB to fetch; a few minutes the first time)" >&2
+	@echo "Installing the pinned packages into $(VENV) (about 400 MB to fetch; a few minutes the first time)" >&2
 	@$(PYTHON) -m venv $(VENV)
 	@$(PY) -m pip install --quiet --requirement requirements.lock
 	@$(PY) -m pip install --quiet --no-build-isolation --no-deps --editable .

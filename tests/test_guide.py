@@ -210,6 +210,29 @@ def test_the_crossing_that_is_named_is_marked_in_space_and_on_the_strips(
         assert it.errors == []
 
 
+def test_what_is_left_on_a_strip_is_left_in_space(chromium: Any, pages: dict[str, Path]) -> None:
+    """Angles on the strips are those at which the ribbons cross in space, seen from outside."""
+    for name in ("flat", "circles", "bow tie", "cone"):
+        pattern = patterns()[name]
+        with opened(chromium, pages[name]) as it:
+            found = it.do(
+                "guide.plan.steps.map((s, k) => s.kind !== 'cross' ? null :"
+                " (guide.go(k), [guide.marked().angle, s.passage.angle, s.passage.crossing, s.strip]))"
+                ".filter(Boolean)"
+            )
+        assert len(found) == len(pattern.at)
+        for seen, said, crossing, strip in found:
+            # Sections lie a quarter of a width apart, and ribbons rise and bend between them.
+            assert abs((seen - said + 180) % 360 - 180) < 6, (name, crossing)
+            assert (
+                said
+                == pytest.approx(
+                    {p.angle for p in pattern.passages[strip] if p.crossing == crossing}.pop(), abs=0.01
+                )
+                or pattern.ribbons[crossing, 0] == pattern.ribbons[crossing, 1]
+            )
+
+
 def test_forward_back_keys_and_strips(chromium: Any, pages: dict[str, Path]) -> None:
     with opened(chromium, pages["flat"]) as it:
         press = it.page.keyboard.press

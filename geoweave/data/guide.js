@@ -341,11 +341,14 @@
     get index() { return index; },
     get step() { return steps[index]; },
     get memory() { return memory; },
-    // What is marked in space, and where that is on the canvas.
+    // What is marked in space, where that is on the canvas, and the angle at which the ribbons cross there.
     marked() {
       if (!space || !space.mark) return null;
-      const point = space.ring.position;
-      return { crossing: space.mark.crossing, point: point.toArray(), seen: space.seen(point), shown: space.ring.visible };
+      const point = space.ring.position, { passage } = steps[index], { up } = space.mark;
+      const one = space.spot(passage.strip, passage.at).ahead, two = space.spot(passage.partner, passage.away).ahead;
+      [one, two].forEach((way) => way.addScaledVector(up, -way.dot(up)));
+      const angle = Math.atan2(up.dot(one.clone().cross(two)), one.dot(two)) * 180 / Math.PI;
+      return { crossing: space.mark.crossing, point: point.toArray(), seen: space.seen(point), shown: space.ring.visible, angle };
     },
     shown() { return space ? space.meshes.filter((mesh) => mesh.visible).map((mesh) => mesh.userData.strip) : []; },
     still() { return !space || (!space.flight && !space.dirty); },
