@@ -1,7 +1,7 @@
 """Text, mathematics and code of a notebook as HTML that needs no script and no network.
 
-TeX becomes MathML, which today's browsers set by themselves (latex2mathml, MIT, 0.1 MB). KaTeX and MathJax set
-more of TeX, but bring scripts that run on every page, 0.6 and more than 1 MB with their fonts.
+TeX becomes MathML, which today's browsers set by themselves (latex2mathml, MIT, 0.1 MB). KaTeX and MathJax
+set more of TeX, but bring scripts that run on every page, 0.6 and more than 1 MB with their fonts.
 """
 
 from __future__ import annotations
