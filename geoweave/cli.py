@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from geoweave import design, relaxing, sweeping, weaving
+from geoweave import design, relaxing, sweeping, twinning, weaving
 from geoweave.errors import GeoweaveError, RenderError
 from geoweave.places import package_version
 from geoweave.terminal import (
@@ -96,6 +96,7 @@ commands.add_command(design.field)
 commands.add_command(design.foliate)
 commands.add_command(weaving.weave)
 commands.add_command(relaxing.relax)
+commands.add_command(twinning.twin)
 commands.add_command(sweeping.sweep)
 
 

@@ -97,12 +97,9 @@ LAYERS = (
             "pattern",
             "pieces",
             "solid",
-            "twin",
-            "twin_rods",
-            "twin_start",
-            "twin_surface",
         },
     ),
+    ("twins of woven objects", {"twin", "twin_rods", "twin_start", "twin_surface"}),
     ("models of the figures", {"models"}),
     (
         "the artifact",

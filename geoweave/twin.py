@@ -1,0 +1,345 @@
+"""The twin of a woven object: a pattern put together in simulation, from the strips alone (Section 5.4).
+
+A pattern is right when the object comes back. The twin knows what a maker knows: how long the strips are,
+where they cross, which lies above, by which angle they turn, and that the printed side is out. It is put
+together on the surface that these close into, relaxed as elastic rods that are naturally straight
+(Appendix E), and compared with the weave that the pattern was exported from.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from geoweave.arrays import Indices, Scalars, Vectors, frozen
+from geoweave.closest import closest_points, segment_tree
+from geoweave.departure import Distances, rigid_fit, vertex_weights
+from geoweave.equilibrium import Equilibrium, Step, Stepping
+from geoweave.errors import FieldError
+from geoweave.pattern import Pattern
+from geoweave.relaxation import Springs, relax
+from geoweave.relaxed import vertex_normals
+from geoweave.rods import Rods
+from geoweave.twin_rods import LaidStrips, laid
+from geoweave.twin_start import net_of, outward, placed
+from geoweave.twin_surface import PatternSurface, surface_of
+from geoweave.weavefiles import at_rest
+
+__all__ = ["COMES_BACK", "STEPPING", "Likeness", "Twin", "assembled"]
+
+COMES_BACK = 0.05
+"""An object has come back if no crossing is farther off than this share of the bounding diagonal."""
+
+STEPPING = Stepping(tolerance=1e-3, most_steps=150)
+"""Numbers of the relaxation: shapes are compared to a per cent, and the last digits take longest."""
+
+NO_SIDE = 0.05
+"""Below this `outward`, a surface has no outside by which its mirror images could be told apart."""
+
+
+class Likeness(NamedTuple):
+    """How far a twin is from a weave, after the best rigid fit; shares of the weave's bounding diagonal."""
+
+    crossings: Distances
+    """From each crossing to where it is in the weave."""
+    ribbons: Distances
+    """From each place of a ribbon to the same share of its length in the weave."""
+    hausdorff: float
+    """Between the centrelines as sets, to both sides: is the shape the same, wherever ribbons slid."""
+    diagonal: float
+    """Of the bounding box of the weave's ribbons, mm."""
+    worst: int
+    """The crossing that is farthest from its place."""
+    missing: int
+    """Crossings of the pattern that the weave does not have."""
+    rotation: Vectors
+    """(3, 3); the fit is ``points @ rotation.T + shift``."""
+    shift: Scalars
+    """(3,) mm."""
+
+    @property
+    def comes_back(self) -> bool:
+        """Whether no crossing is farther from its place than `COMES_BACK`."""
+        return self.crossings.largest <= COMES_BACK
+
+    def document(self) -> dict[str, Any]:
+        """For reports."""
+        return {
+            "crossings": vars(self.crossings),
+            "ribbons": vars(self.ribbons),
+            "hausdorff": self.hausdorff,
+            "diagonal": self.diagonal,
+            "worst_crossing": self.worst,
+            "comes_back": self.comes_back,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """A pattern put together and left to itself.
+
+    Attributes
+    ----------
+    surface : the closed surface that the strips are a net of
+    placed : (C, 3) where crossings were put before physics, mm
+    start : strips laid there
+    rest : where the rods came to rest, at bounding radius 1
+    seconds : wall-clock seconds of each stage
+    """
+
+    surface: PatternSurface
+    placed: Vectors
+    start: LaidStrips
+    rest: Equilibrium
+    seconds: dict[str, float]
+
+    @property
+    def pattern(self) -> Pattern:
+        """What it was made from, and all that it was made from."""
+        return self.surface.pattern
+
+    @property
+    def rods(self) -> Rods:
+        """At rest."""
+        return self.rest.rods
+
+    @cached_property
+    def points(self) -> Vectors:
+        """(V, 3) vertices at rest, mm, about the origin."""
+        return frozen(self.rods.points * self.start.unit)
+
+    @cached_property
+    def crossings(self) -> Vectors:
+        """(C, 3) crossings at rest, mm: half way between their two strips."""
+        return frozen(self._at_crossings(self.points))
+
+    @cached_property
+    def outward(self) -> float:
+        """How clearly the printed side is out, from -1 to 1; near 0 for a saddle, which has no outside."""
+        return outward(self.surface, self.crossings)
+
+    def compared(self, document: Mapping[str, Any], name: str = "weave.json") -> Likeness:
+        """Put the twin on a weave by the best rigid motion, and measure how far it is off.
+
+        Parameters
+        ----------
+        document : the contents of ``weave.json`` (as designed) or ``relaxed.json`` (as woven), in mm
+        name : what it is called in a refusal
+
+        Raises
+        ------
+        FieldError
+            If it is no weave in mm, or not the one that the pattern was exported from.
+        """
+        lines, known = self._read(document, name)
+        layout, rest = self.rods.layout, self.rods.rest
+        before = np.cumsum(rest) - rest
+        along = before - before[layout.segment_offsets[:-1]][layout.rod_of_segment]
+        whole = np.add.reduceat(rest, layout.segment_offsets[:-1])
+        goals = np.empty_like(self.points)
+        for r, line in enumerate(lines):
+            own = slice(layout.segment_offsets[r], layout.segment_offsets[r + 1])
+            share = along[own] / whole[r]
+            share = share if layout.closed[r] else np.append(share, 1.0)
+            at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+            goals[layout.offsets[r] : layout.offsets[r + 1]] = np.column_stack(
+                [np.interp(share * at[-1], at, line[:, x]) for x in range(3)]
+            )
+        weights = vertex_weights(self.rods)
+        rotation, shift = rigid_fit(self.points, goals, weights)
+        there = self.points @ rotation.T + shift
+        everything = np.concatenate(lines)
+        diagonal = float(np.linalg.norm(np.ptp(everything, axis=0)))
+        targets = np.stack([np.concatenate([line[:-1] for line in lines]),
+                            np.concatenate([line[1:] for line in lines])], axis=1)  # fmt: skip
+        to = np.linalg.norm(there - closest_points(segment_tree(targets), there)[0], axis=1)
+        back = closest_points(segment_tree(there[layout.ends]), everything)[0]
+        fro = np.linalg.norm(everything - back, axis=1)
+        found = ~np.isnan(known[:, 0])
+        off = np.linalg.norm(self._at_crossings(there)[found] - known[found], axis=1)
+        return Likeness(
+            _sizes(off, np.ones(len(off)), diagonal),
+            _sizes(np.linalg.norm(there - goals, axis=1), weights, diagonal),
+            float(max(to.max(), fro.max())) / diagonal,
+            diagonal,
+            int(np.flatnonzero(found)[np.argmax(off)]),
+            int((~found).sum()),
+            frozen(rotation),
+            frozen(shift),
+        )
+
+    def metrics(self) -> dict[str, Any]:
+        """What the report says of the twin itself: its surface, how it rests, its strain."""
+        surface, pattern = self.surface, self.pattern
+        strain = self.rods.lengths / self.rods.rest - 1.0
+        most = int(np.abs(strain).argmax())
+        bow = max(range(len(pattern.strips)), key=lambda r: pattern.strips[r].bow)
+        return {
+            "topology": {
+                "crossings": len(pattern.ribbons),
+                "stretches": len(surface.edges),
+                "faces": len(surface.faces),
+                "euler_characteristic": surface.euler_characteristic,
+                "genus": surface.genus,
+                "openings": surface.openings,
+                "contradictions": [surface.said(slip) for slip in surface.slips],
+            },
+            "outward": self.outward,
+            "side_known": abs(self.outward) > NO_SIDE,
+            "converged": self.rest.converged,
+            "ending": self.rest.ending,
+            "steps": len(self.rest.steps) - 1,
+            "energy": self.rest.steps[-1].energy,
+            "energies": self.rest.energies,
+            "strain": {
+                "largest": float(strain[most]),
+                "ribbon": pattern.strips[int(self.rods.layout.rod_of_segment[most])].label,
+            },
+            "bow": {"largest": pattern.strips[bow].bow, "ribbon": pattern.strips[bow].label},
+        }
+
+    def document(self, on: Likeness | None = None) -> dict[str, Any]:
+        """The contents of ``twin.json``, of the form of ``relaxed.json``; put on a weave if given."""
+        pattern, surface = self.pattern, self.surface
+        rotation, shift = (np.eye(3), np.zeros(3)) if on is None else (on.rotation, on.shift)
+        families = max(strip.family for strip in pattern.strips) + 1
+        blank = {
+            "format": "geoweave-weave",
+            "version": 1,
+            "units": "mm",
+            "symmetry": 2 * families,
+            "width": pattern.width,
+            "thickness": pattern.thickness,
+            "surface": {
+                "genus": surface.genus,
+                "boundary_loops": surface.openings,
+                "euler_characteristic": surface.euler_characteristic,
+            },
+            "ribbons": [
+                {"id": r, "label": strip.label, "family": strip.family, "closed": strip.closed}
+                for r, strip in enumerate(pattern.strips)
+            ],
+            "crossings": [{} for _ in pattern.ribbons],
+            "metrics": {
+                "ribbons": len(pattern.strips),
+                "crossings": len(pattern.ribbons),
+                "total_length": sum(strip.length for strip in pattern.strips),
+                # a fifth of it is the length of the twin's segments, as of the rods of a weave
+                "spacing": 5.0 * float(self.rods.rest.mean() * self.start.unit),
+                "twin": self.metrics(),
+            },
+        }
+        points = self.points @ rotation.T + shift
+        normals = vertex_normals(self.rods) @ rotation.T
+        return at_rest(blank, self.rods, points, normals, self.start.unit)
+
+    def _at_crossings(self, points: Vectors) -> Vectors:
+        """(C, 3) places between the two strips of each crossing, for vertices anywhere."""
+        ends, share = self.rods.layout.ends[self.start.cut.segments], self.start.cut.places[..., None]
+        both = points[ends[..., 0]] * (1.0 - share) + points[ends[..., 1]] * share
+        return np.asarray(both.mean(axis=1))
+
+    def _read(self, document: Mapping[str, Any], name: str) -> tuple[list[Vectors], Vectors]:
+        """Centrelines of a weave, closed ones with the first point again, and (C, 3) its crossings or nan."""
+        pattern = self.pattern
+        if document.get("units") != "mm":
+            raise FieldError(f"{name}: is not in mm, as patterns are; write it again with --size")
+        try:
+            labels = [str(each["label"]) for each in document["ribbons"]]
+            lines = []
+            for each in document["ribbons"]:
+                line = np.array(each["points"], dtype=np.float64).reshape(-1, 3)
+                lines.append(np.concatenate([line, line[:1]]) if each["closed"] else line)
+            met = document["crossings"]
+            pairs = np.array([each["ribbons"] for each in met], dtype=np.int64).reshape(-1, 2)
+            at = np.array([each["arclength"] for each in met], dtype=np.float64).reshape(-1, 2)
+            places = np.array([each["point"] for each in met], dtype=np.float64).reshape(-1, 3)
+        except (KeyError, TypeError, ValueError) as error:
+            raise FieldError(f"{name}: an entry of the weave is missing or wrong ({error!r})") from error
+        if labels != [strip.label for strip in pattern.strips]:
+            raise FieldError(
+                f"{name}: has {len(labels)} ribbons where the pattern has {len(pattern.strips)}, or other "
+                "names; give the weave that the pattern was exported from"
+            )
+        return lines, _matched(pattern, pairs, at, places)
+
+
+def assembled(
+    pattern: Pattern,
+    *,
+    anyway: bool = False,
+    mirrored: bool = False,
+    springs: Springs | None = None,
+    stepping: Stepping | None = None,
+    callback: Callable[[Step], None] | None = None,
+) -> Twin:
+    """Put a pattern together in simulation, from the strips alone, and let it come to rest.
+
+    Parameters
+    ----------
+    pattern : flat strips and their crossings; no coordinate in space goes in
+    anyway : put together also what contradicts itself
+    mirrored : begin with the mirror image; the printed side must come out all the same
+    springs : stiffnesses of the contacts
+    stepping : numbers of the relaxation; `STEPPING` if not given
+    callback : called with every `Step` of it
+
+    Raises
+    ------
+    FieldError
+        If strips do not cross, fall into pieces, or a crossing contradicts those about it.
+    RodError
+        If a strip cannot be a rod.
+    """
+    clock = time.perf_counter()
+    surface = surface_of(pattern)
+    if len(surface.pieces) > 1:
+        first, second = surface.pieces[:2]
+        raise FieldError(
+            f"the pattern is in {len(surface.pieces)} pieces that no crossing holds together "
+            f"(one with {pattern.strips[first[0]].label}, one with {pattern.strips[second[0]].label}); "
+            "put each of them together by itself"
+        )
+    plain = [slip for slip in surface.slips if slip.plain]
+    if not anyway and plain:
+        more = f", and {len(plain) - 1} more such places" if len(plain) > 1 else ""
+        raise FieldError(
+            f"the pattern contradicts itself: {surface.said(plain[0])}{more}; correct the place, or export "
+            "the weave as it was designed (--no-relax), before its ribbons slid past each other"
+        )
+    points = placed(surface, net_of(surface), mirrored=mirrored)
+    start = laid(surface, points)
+    between = time.perf_counter()
+    rest = relax(start.rods, springs=springs, stepping=stepping or STEPPING, callback=callback)
+    seconds = {"start": between - clock, "relax": time.perf_counter() - between}
+    return Twin(surface, frozen(points), start, rest, seconds)
+
+
+def _matched(pattern: Pattern, pairs: Indices, at: Scalars, places: Vectors) -> Vectors:
+    """(C, 3) where the crossings of a pattern are in a weave: by number, or the nearest of both ribbons."""
+    if np.array_equal(pairs, pattern.ribbons):
+        return places
+    # Near-duplicates were merged on the way from the one to the other, so numbers have moved.
+    of_pair: dict[tuple[int, int], list[int]] = {}
+    for x, (one, other) in enumerate(pairs.tolist()):
+        of_pair.setdefault((one, other), []).append(x)
+    found = np.full((len(pattern.ribbons), 3), np.nan)
+    for x, (one, other) in enumerate(pattern.ribbons.tolist()):
+        among = of_pair.get((one, other), [])
+        if among:
+            far = np.abs(at[among] - pattern.at[x]).sum(axis=1)
+            found[x] = places[among[int(np.argmin(far))]]
+    return found
+
+
+def _sizes(values: Scalars, weights: Scalars, diagonal: float) -> Distances:
+    return Distances(
+        float(np.average(values, weights=weights)) / diagonal,
+        float(np.sqrt(np.average(values**2, weights=weights))) / diagonal,
+        float(values.max()) / diagonal,
+    )
