@@ -302,6 +302,26 @@ def test_it_remembers_where_the_maker_was(chromium: Any, pages: dict[str, Path])
         context.close()
 
 
+def test_a_weave_that_was_tipped_over_stays_so(chromium: Any, pages: dict[str, Path]) -> None:
+    context = chromium.new_context(
+        viewport={"width": 1280, "height": 900}, offline=True, reduced_motion="reduce"
+    )
+    try:
+        with opened(chromium, pages["cone"], context=context) as it:
+            it.wait("guide.still()")
+            lying = it.picture("#canvas").astype(int)
+            it.page.click("#tip")
+            it.wait("guide.still()")
+            tipped = it.picture("#canvas").astype(int)
+            assert (np.abs(tipped - lying).max(axis=2) > 40).mean() > 0.01
+            it.page.reload()
+            it.wait("guide.still()")
+            again = it.picture("#canvas").astype(int)
+            assert (np.abs(again - tipped).max(axis=2) > 40).mean() < 0.001
+    finally:
+        context.close()
+
+
 @pytest.mark.parametrize("stored", ["{", '{"step": "x"}', '{"step": -5}', '{"step": 100000}', "[]", "null"])
 def test_nonsense_in_the_memory_does_no_harm(chromium: Any, pages: dict[str, Path], stored: str) -> None:
     key = f"geoweave-guide-{content('flat')['key']}"
@@ -355,6 +375,32 @@ def test_it_fits_a_phone(chromium: Any, pages: dict[str, Path], name: str) -> No
             box = it.page.locator(part).bounding_box()
             assert box["y"] + box["height"] < it.page.locator("footer").bounding_box()["y"]
         assert it.errors == []
+
+
+def test_it_fits_a_phone_on_its_side(chromium: Any, pages: dict[str, Path]) -> None:
+    with opened(chromium, pages["cone"], (844, 390)) as it:
+        it.do("guide.go(guide.plan.steps.findIndex((s) => s.kind === 'cross'))")
+        assert it.fits()
+        foot = it.page.locator("footer").bounding_box()["y"]
+        for part in ("#canvas", "#lens", "#sentence", "#facts"):
+            box = it.page.locator(part).bounding_box()
+            assert box["y"] + box["height"] <= foot + 1, part
+
+
+def test_all_of_it_is_in_view(chromium: Any, pages: dict[str, Path]) -> None:
+    """However wide the window is, nothing of the weave is cut off, and it fills what there is."""
+    for size in ((1600, 800), (700, 1000), PHONE):
+        with opened(chromium, pages["circles"], size) as it:
+            it.page.keyboard.press("End")
+            it.wait("guide.still()")
+            drawn = np.ptp(it.picture("#canvas").astype(int), axis=2) > 30
+            # Buttons stand in the lower left corner.
+            drawn = drawn[: round(0.85 * len(drawn))]
+            assert not drawn[:2].any()
+            assert not drawn[:, :2].any()
+            assert not drawn[:, -2:].any()
+            rows, columns = (np.flatnonzero(drawn.any(axis=k)) for k in (1, 0))
+            assert max(len(rows) / len(drawn), len(columns) / drawn.shape[1]) > 0.8
 
 
 def test_all_steps_go_on_paper(chromium: Any, pages: dict[str, Path], tmp_path: Path) -> None:

@@ -269,7 +269,7 @@
     if (space) {
       $("closer").addEventListener("click", () => space.zoom(0.8));
       $("farther").addEventListener("click", () => space.zoom(1.25));
-      $("whole").addEventListener("click", () => space.fly({ direction: space.front(), distance: space.fit(), target: space.middle }));
+      $("whole").addEventListener("click", () => space.back());
       const toggle = (id, name) => $(id).addEventListener("click", () => {
         space[name] = !space[name];
         $(id).setAttribute("aria-pressed", String(space[name]));

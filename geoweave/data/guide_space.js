@@ -236,7 +236,7 @@ class Space {
 
   // Turn the weave until the place is in front, by as little as that takes.
   turnTo(step, all) {
-    if (all) { this.fly({ direction: this.front(), distance: this.fit(), target: this.middle }); return; }
+    if (all) { this.back(); return; }
     const strip = this.plan.strips[step.strip];
     const up = this.mark ? this.mark.up : this.spot(step.strip, step.kind === "join" ? 0 : strip.length / 2).up;
     const now = this.flight ? this.flight.to.direction : this.direction, angle = now.angleTo(up), enough = 0.45;
@@ -244,7 +244,8 @@ class Space {
       const axis = new THREE.Vector3().crossVectors(now, up);
       if (axis.lengthSq() < 1e-9) axis.set(0, 0, 1);
       const direction = now.clone().applyAxisAngle(axis.normalize(), angle - enough);
-      this.fly({ direction, distance: this.flight ? this.flight.to.distance : this.distance, target: this.flight ? this.flight.to.target : this.target });
+      const now_at = this.flight ? this.flight.to : this;
+      this.fly({ direction, distance: this.free ? now_at.distance : this.fit(direction), target: now_at.target });
     }
   }
 
@@ -259,15 +260,33 @@ class Space {
 
   front() { return new THREE.Vector3(0.55, -0.75, 0.36).normalize().applyMatrix4(this.axes); }
 
-  fit() {
-    const tall = Math.tan(this.camera.fov * Math.PI / 360), wide = tall * Math.min(this.camera.aspect, 1);
-    return 0.95 * this.radius / Math.sin(Math.atan(wide));
+  // How far away all of the weave is in view from a direction.
+  fit(direction) {
+    const tall = 0.95 * Math.tan(this.camera.fov * Math.PI / 360), wide = tall * this.camera.aspect;
+    const out = direction || this.front(), right = new THREE.Vector3().crossVectors(this.upward, out);
+    if (right.lengthSq() < 1e-6) right.setFromMatrixColumn(this.axes, 0);
+    const up = new THREE.Vector3().crossVectors(out, right.normalize()), p = new THREE.Vector3();
+    let far = 0;
+    for (const { centre, count } of this.ways) {
+      for (let k = 0; k < count; k += 2) {
+        p.subVectors(centre[k], this.middle);
+        const z = p.dot(out);
+        far = Math.max(far, z + Math.abs(p.dot(right)) / wide, z + Math.abs(p.dot(up)) / tall);
+      }
+    }
+    return far + this.content.width;
   }
 
   whole() {
     this.resize();
-    Object.assign(this, { direction: this.front(), distance: this.fit(), target: this.middle.clone(), flight: null });
+    Object.assign(this, { direction: this.front(), distance: this.fit(), target: this.middle.clone(), flight: null, free: false });
     this.dirty = true;
+  }
+
+  // Back to all of it, until the maker comes nearer.
+  back() {
+    this.free = false;
+    this.fly({ direction: this.front(), distance: this.fit(), target: this.middle });
   }
 
   fly(to) {
@@ -288,7 +307,7 @@ class Space {
   }
 
   zoom(factor) {
-    this.flight = null;
+    Object.assign(this, { flight: null, free: true });
     this.distance = Math.min(Math.max(this.distance * factor, 6 * this.content.width), 3 * this.fit());
     this.dirty = true;
   }
@@ -352,10 +371,10 @@ class Space {
   resize() {
     const { parentElement } = this.canvas, wide = parentElement.clientWidth, tall = parentElement.clientHeight;
     if (!wide || !tall) return;
-    const before = this.camera.aspect, near = this.distance ? this.distance / this.fit() : 1;
+    const before = this.camera.aspect, near = this.distance ? this.distance / this.fit(this.direction) : 1;
     this.renderer.setSize(wide, tall, false);
     this.camera.aspect = wide / tall;
-    if (before !== this.camera.aspect && this.distance) this.distance = near * this.fit();
+    if (before !== this.camera.aspect && this.distance) this.distance = (this.free ? near : 1) * this.fit(this.direction);
     this.dirty = true;
   }
 
