@@ -17,6 +17,7 @@ from __future__ import annotations
 import ast
 import html
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,7 @@ __all__ = [
     "published",
     "read",
     "settled",
+    "times",
 ]
 
 
@@ -236,20 +238,38 @@ def _alt(record: Path) -> str:
     return html.escape(str(alt)).replace("|", "&#124;")
 
 
+def times(root: Path) -> dict[tuple[str, str], tuple[str, str]]:
+    """Seconds and peak memory by notebook and profile, as the table of REPRODUCING.md has them."""
+    page = root / "REPRODUCING.md"
+    text = page.read_text(encoding="utf-8") if page.is_file() else ""
+    rows = re.findall(r"^\| (\w+) \| (\w+) \| (\d+) \| (\d+) \|$", text, re.MULTILINE)
+    return {(name, profile): (seconds, memory) for name, profile, seconds, memory in rows}
+
+
+def _words(root: Path) -> dict[str, dict[str, str]]:
+    """Which surfaces the notebooks show, and what none of them computes: ``notebooks/index.toml``."""
+    path = root / "notebooks" / "index.toml"
+    return tomllib.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+
+
 def figures_index(root: Path) -> str:
     """Markdown of ``figures/INDEX.md``: every figure there is, with its notebook, profile and numbers."""
+    words, taken = _words(root), times(root)
     lines = [
         "# Figures",
         "",
-        "Written by `make figures` from the notebooks; not edited by hand.",
+        "Written by `make figures` from the notebooks; not edited by hand. Seconds are those of the notebook",
+        "(REPRODUCING.md). Where a surface stands in for one of the paper's, the second column says so.",
         "",
-        "| figure | what it is | notebook | profile | numbers |",
-        "|---|---|---|---|---|",
+        "| figure | what it is, and of which surface | notebook | profile | seconds | numbers |",
+        "|---|---|---|---|---:|---|",
     ]
     folder = root / "figures"
     for name in names(root):
         notebook = read(path_of(root, name))
         caption = heading(notebook).replace("|", "\\|")
+        if surface := words.get("surfaces", {}).get(name, ""):
+            caption += f"<br>{surface}"
         for figure in published(notebook):
             for profile in PROFILES:
                 base = figure if profile == "default" else f"{profile}/{figure}"
@@ -261,7 +281,10 @@ def figures_index(root: Path) -> str:
                 if not files["png"]:
                     picture = figure
                 numbers = ", ".join(f"[{end}]({base}.{end})" for end in ("csv", "json") if files[end])
-                lines.append(
-                    f"| {picture} | {caption} | [{name}](../notebooks/{name}.ipynb) | {profile} | {numbers} |"
-                )
+                seconds, _ = taken.get((name, profile), ("", ""))
+                place = f"[{name}](../notebooks/{name}.ipynb)"
+                lines.append(f"| {picture} | {caption} | {place} | {profile} | {seconds} | {numbers} |")
+    if missing := words.get("not_computed", {}):
+        lines += ["", "Not computed:", ""]
+        lines += [f"- {what}: {why}." for what, why in missing.items()]
     return "\n".join(lines) + "\n"

@@ -188,7 +188,14 @@ def records(root: Path) -> list[Result]:
 
 
 def report(root: Path | None = None) -> int:
-    """Write the table of times and memory of ``build/`` into REPRODUCING.md; returns the number of its rows.
+    """Write times and memory of ``build/`` into REPRODUCING.md, and times into the index of the figures.
+
+    A notebook that was not executed here keeps the row that it has.
+
+    Returns
+    -------
+    int
+        How many rows were measured here.
 
     Raises
     ------
@@ -199,13 +206,19 @@ def report(root: Path | None = None) -> int:
     rows = records(root)
     if not rows:
         raise GeoweaveError("nothing has been executed here: run 'make figures' first")
+    taken = notebooks.times(root)
+    taken |= {(r.name, r.profile): (f"{r.seconds:.0f}", f"{r.peak_mb:.0f}") for r in rows}
     table = ["| notebook | profile | seconds | peak memory, MB |", "|---|---|---:|---:|"]
-    table += [f"| {r.name} | {r.profile} | {r.seconds:.0f} | {r.peak_mb:.0f} |" for r in rows]
+    for profile in notebooks.PROFILES:
+        for name in notebooks.names(root):
+            if (name, profile) in taken:
+                table.append("| " + " | ".join((name, profile, *taken[name, profile])) + " |")
     versions = doctor.versions()
     packages = ", ".join(f"{name} {versions[name]}" for name in ("numpy", "scipy", "vtk", "pyvista"))
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
     table += ["", f"Measured on {machine}, Python {platform.python_version()}, {packages}."]
     _insert(root / "REPRODUCING.md", TIMES, table)
+    _write(root / "figures" / "INDEX.md", notebooks.figures_index(root).encode())
     return len(rows)
 
 

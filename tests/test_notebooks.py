@@ -138,14 +138,21 @@ class TestTheReaders:
         for name in ("fig00.png", "fig00.csv", "paper/fig00.csv"):
             (tmp_path / "figures" / name).write_text("")
         (tmp_path / "figures" / "fig00.json").write_text('{"alt": "a \\"cow\\" | here"}')
-        rows = notebooks.figures_index(tmp_path).splitlines()[6:]
+        words = '[surfaces]\nfig00_slug = "a cow"\n[not_computed]\n"Fig. 9" = "a photograph"\n'
+        (tmp_path / "notebooks" / "index.toml").write_text(words)
+        (tmp_path / "REPRODUCING.md").write_text("| fig00_slug | paper | 12 | 345 |\n")
+        rows = notebooks.figures_index(tmp_path).splitlines()[7:]
         link = "[fig00_slug](../notebooks/fig00_slug.ipynb)"
         alt = "a &quot;cow&quot; &#124; here"
         picture = f'<img src="fig00.png" alt="{alt}" width="320">'
         numbers = "[csv](fig00.csv), [json](fig00.json)"
         assert rows == [
-            f"| {picture} | Fig. 0 \\| a *title* | {link} | default | {numbers} |",
-            f"| fig00 | Fig. 0 \\| a *title* | {link} | paper | [csv](paper/fig00.csv) |",
+            f"| {picture} | Fig. 0 \\| a *title*<br>a cow | {link} | default |  | {numbers} |",
+            f"| fig00 | Fig. 0 \\| a *title*<br>a cow | {link} | paper | 12 | [csv](paper/fig00.csv) |",
+            "",
+            "Not computed:",
+            "",
+            "- Fig. 9: a photograph.",
         ]
 
 
@@ -234,6 +241,14 @@ def test_profiles_name_notebooks_that_exist() -> None:
     assert set(tables) <= set(notebooks.PROFILES) - {"default"}
     for table in tables.values():
         assert set(table) <= set(NAMES)
+
+
+def test_the_index_says_of_every_notebook_which_surfaces_it_shows() -> None:
+    words = tomllib.loads((ROOT / "notebooks" / "index.toml").read_text(encoding="utf-8"))
+    assert sorted(words["surfaces"]) == NAMES
+    index = notebooks.figures_index(ROOT)
+    assert all(f"<br>{surface} |" in index for surface in words["surfaces"].values())
+    assert all(f"- {what}: {why}." in index for what, why in words["not_computed"].items())
 
 
 def test_the_index_is_up_to_date() -> None:

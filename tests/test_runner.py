@@ -205,10 +205,12 @@ def test_an_unknown_name_starts_nothing(checkout: Path) -> None:
 
 def test_times_go_into_the_page(checkout: Path) -> None:
     page = checkout / "REPRODUCING.md"
-    page.write_text(f"before\n{runner.TIMES[0]}\nold\n{runner.TIMES[1]}\nafter\n")
+    kept, gone = "| fig01 | default | 7 | 99 |", "| fig02 | default | 8 | 98 |"
+    page.write_text(f"before\n{runner.TIMES[0]}\nold\n{kept}\n{gone}\n{runner.TIMES[1]}\nafter\n")
     with pytest.raises(GeoweaveError, match="nothing has been executed"):
         runner.report(checkout)
     write(checkout, "fig00", "1")
+    write(checkout, "fig01", "1")
     folder = checkout / "build" / "notebooks" / "default" / "fig00"
     folder.mkdir(parents=True)
     record = {"key": "k", "name": "fig00", "profile": "default", "state": "fresh", "seconds": 12.4}
@@ -217,6 +219,9 @@ def test_times_go_into_the_page(checkout: Path) -> None:
     assert runner.report(checkout) == 1
     text = page.read_text()
     assert "| fig00 | default | 12 | 346 |" in text
+    assert kept in text, "what was not executed here keeps its row"
+    assert gone not in text, "a notebook that is gone does not"
+    assert (checkout / "figures" / "INDEX.md").is_file()
     assert text.startswith("before\n")
     assert text.endswith("after\n")
     assert "old" not in text
