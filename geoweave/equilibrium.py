@@ -9,7 +9,7 @@ directors have been parallel-transported onto the new segments, as the paper ask
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -64,12 +64,14 @@ class Step:
     energies : energy by the name of its term, force x length
     gradient : size of the unbalanced forces as a share of the forces that balance
     share : share of the full step that the line search took to get here; 0 at the start
+    rods : where the rods are; known to the callback only, so that a history of steps stays small
     """
 
     number: int
     energies: dict[str, float]
     gradient: float
     share: float
+    rods: Rods | None = None
 
     @property
     def energy(self) -> float:
@@ -165,7 +167,7 @@ def minimized(
         while True:
             history.append(Step(len(history), now.energies, now.relative, share))
             if callback is not None:
-                callback(history[-1])
+                callback(replace(history[-1], rods=now.rods))
             if now.relative <= numbers.tolerance:
                 ending = "the forces balance"
                 break

@@ -320,9 +320,9 @@ def relax(
     def told(step: Step, harder: float) -> None:
         """Count steps through, and give energies by the stiffness that was asked for."""
         energies = step.energies | {k: harder * e for k, e in step.energies.items() if k == ORIENTATION}
-        steps.append(replace(step, number=len(steps), energies=energies))
+        steps.append(replace(step, number=len(steps), energies=energies, rods=None))
         if callback is not None:
-            callback(steps[-1])
+            callback(replace(steps[-1], rods=step.rods))
 
     for energies, limits, factor in stages:
         found = minimized(
