@@ -6,8 +6,9 @@ What dies with its process, for want of memory or by a fault in compiled code, t
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import BrokenExecutor, Executor, as_completed
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from contextlib import contextmanager
 from typing import Any, NamedTuple, TypeVar
 
@@ -52,33 +53,54 @@ def on_this_machine(work: Callable[[Item], Any], items: Sequence[Item], jobs: in
     """
     left = list(range(len(items)))
     if jobs > 1:
-        with _processes(jobs) as pool:
-            futures = {pool.submit(work, items[index]): index for index in left}
-            for future in as_completed(futures):
-                if not isinstance(future.exception(), BrokenExecutor):
-                    left.remove(futures[future])
-                    yield Ended(futures[future], future.result(), "")
+        with _processes(jobs) as start:
+            waiting, under_way, broken = list(left), dict[Future[Any], int](), False
+            while (waiting and not broken) or under_way:
+                # No more than there are processes: of what waits here, nothing is lost with them.
+                while waiting and not broken and len(under_way) < jobs:
+                    index = waiting.pop(0)
+                    under_way[start(work, items[index])] = index
+                for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                    index = under_way.pop(future)
+                    if isinstance(future.exception(), BrokenExecutor):
+                        broken = True
+                    else:
+                        left.remove(index)
+                        yield Ended(index, future.result(), "")
     # One at a time from here: where a process dies this tells which item it died of.
     while left:
-        with _processes(1) as pool:
+        with _processes(1) as start:
             while left:
                 index = left.pop(0)
                 try:
-                    yield Ended(index, pool.submit(work, items[index]).result(), "")
+                    yield Ended(index, start(work, items[index]).result(), "")
                 except BrokenExecutor:
                     yield Ended(index, None, DIED)
                     break
 
 
 @contextmanager
-def _processes(count: int) -> Iterator[Executor]:
-    """So many processes of one thread each; they end with the block, whatever they are doing."""
+def _processes(count: int) -> Iterator[Callable[[Callable[[Item], Any], Item], Future[Any]]]:
+    """Give what starts a piece of work in one of so many processes of one thread each.
+
+    They end with the block, whatever they are doing.
+    """
     from joblib.externals.loky import ProcessPoolExecutor
 
     pool = ProcessPoolExecutor(count, env=dict.fromkeys(THREADS, "1"))
+    started: list[Future[Any]] = []
+
+    def start(work: Callable[[Item], Any], item: Item) -> Future[Any]:
+        started.append(pool.submit(work, item))
+        return started[-1]
+
     try:
-        yield pool
+        yield start
     finally:
+        # The pool stumbles over work that is on its way to a process when it is shut down.
+        until = time.monotonic() + 10.0
+        while time.monotonic() < until and not all(f.running() or f.done() for f in started[-count:]):
+            time.sleep(0.002)
         pool.shutdown(wait=True, kill_workers=True)
 
 

@@ -85,6 +85,9 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
         if cut and size is None:
             raise click.UsageError(f"a pattern ({', '.join(cut)}) is in mm; give the object a --size")
         asked = Asked(symmetry, ribbons, scale, size, width, thickness, names, not no_relax)
+        given = click.get_current_context().get_parameter_source("formats")
+        if size is not None and given is ParameterSource.DEFAULT:
+            asked = replace(asked, formats=("json", "guide"), spare=("guide",))
         command(*arguments, asked=asked, **others)
 
     options = (
@@ -226,9 +229,6 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
 def weave(surface: Surface, output: str, asked: Asked, as_json: bool) -> None:
     """Design a weave: ribbons along geodesics, their crossings, over and under."""
     folder = new_folder(output)
-    given = click.get_current_context().get_parameter_source("formats")
-    if asked.size is not None and given is ParameterSource.DEFAULT:
-        asked = replace(asked, formats=("json", "guide"), spare=("guide",))
     with status() as say:
         made = woven(surface, asked, folder, say)
     if as_json:

@@ -169,3 +169,17 @@ def test_what_was_woven_before_an_interruption_is_kept(
         "two",
     ]
     assert (out / "one" / "weave.json").read_bytes() == first
+
+
+def test_a_size_brings_the_same_files_as_for_one_weave(
+    tmp_path: Path, meshes: list[str], capfd: pytest.CaptureFixture[str]
+) -> None:
+    asked = (*QUICK, "--size", "120", "--json")
+    status, text, _ = run(capfd, meshes[0], "-o", tmp_path / "many", *asked)
+    assert status == 0
+    (one,) = json.loads(text)["results"]
+    assert cli.main(["weave", meshes[0], "-o", str(tmp_path / "single"), *asked]) == 0
+    single = json.loads(capfd.readouterr().out)
+    names = [{Path(file).name for file in each["files"]} for each in (one["result"], single)]
+    assert names[0] == names[1] == {"weave.json", "report.json", "guide.html"}
+    assert woven(tmp_path / "many" / "one") == woven(tmp_path / "single")
