@@ -156,9 +156,18 @@ def on_cluster(work: Callable[[Item], Any], items: Sequence[Item], address: str)
         # pure=False: what a file holds may have changed since somebody asked for the same.
         futures = [client.submit(work, item, pure=False) for item in items]
         index_of = {future.key: index for index, future in enumerate(futures)}
+        suspects = []
         try:
             for future in distributed.as_completed(futures):
-                yield _ended(index_of[future.key], future)
+                ended = _ended(index_of[future.key], future)
+                if ended.problem == DIED:
+                    suspects.append(ended.item)
+                else:
+                    yield ended
+            # Dask blames all that waited on a worker that died, so each of them gets a worker of its own.
+            for index in suspects:
+                futures.append(client.submit(work, items[index], pure=False))
+                yield _ended(index, futures[-1])
         except BaseException:
             client.cancel(futures, force=True)
             raise
