@@ -101,7 +101,7 @@ def sweep(
     *,
     jobs: int = 1,
     dask: str | None = None,
-    callback: Callable[[Row], None] | None = None,
+    callback: Callable[[Row, int], None] | None = None,
 ) -> tuple[Row, ...]:
     """Weave many meshes into ``folder/<name of the mesh>/`` and write a table of them.
 
@@ -112,7 +112,7 @@ def sweep(
     folder : it is made if it is not there, in a folder that is
     jobs : processes on this machine
     dask : address of a Dask scheduler, in place of them; its workers must see the folder and the files
-    callback : called with each row as it is ready
+    callback : called with each row as it is ready, and the number of all
 
     Returns
     -------
@@ -151,14 +151,14 @@ def _rows(
     folder: Path,
     jobs: int,
     dask: str | None,
-    callback: Callable[[Row], None] | None,
+    callback: Callable[[Row, int], None] | None,
 ) -> tuple[Row, ...]:
     rows: dict[int, Row] = {}
 
     def ready(place: int, row: Row) -> None:
         rows[place] = row
         if callback is not None:
-            callback(row)
+            callback(row, len(todo))
 
     left: dict[int, Job] = {}
     for place, each in enumerate(todo):

@@ -57,9 +57,7 @@ def sweep(
     start = time.perf_counter()
     with _terminated(), status() as say:
         say(f"weaving {len(surfaces)} meshes")
-        rows = engine.sweep(
-            surfaces, asked, folder, jobs=jobs or 1, dask=dask, callback=_lines(len(surfaces))
-        )
+        rows = engine.sweep(surfaces, asked, folder, jobs=jobs or 1, dask=dask, callback=_lines())
     counts = {state: sum(row.state == state for row in rows) for state in ("done", "kept", "failed")}
     for row in rows:
         if row.fault:
@@ -97,13 +95,13 @@ def _terminated() -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def _lines(total: int) -> Callable[[Row], None] | None:
+def _lines() -> Callable[[Row, int], None] | None:
     """On a terminal, write a line on stderr for each mesh as it is ready."""
     if not sys.stderr.isatty():
         return None
     ended = count(1)
 
-    def line(row: Row) -> None:
+    def line(row: Row, total: int) -> None:
         print(f"[{next(ended)}/{total}] {row.folder}: {row.sentence()}", file=sys.stderr)
 
     return line

@@ -41,10 +41,10 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 def test_what_is_whole_and_current_is_kept(tmp_path: Path, cones: list[Surface]) -> None:
     out = tmp_path / "out"
-    seen: list[Row] = []
-    rows = sweep(cones, ASKED, out, callback=seen.append)
+    seen: list[tuple[Row, int]] = []
+    rows = sweep(cones, ASKED, out, callback=lambda *what: seen.append(what))
     assert states(rows) == ["done", "done"]
-    assert seen == list(rows)
+    assert seen == [(row, 2) for row in rows]
     assert sorted(path.name for path in out.iterdir()) == ["blunt", "sharp", "table.csv", "table.md"]
     assert sorted(path.name for path in (out / "blunt").iterdir()) == [
         "report.json",
