@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from PIL import Image
 
 from geoweave import shapes, viz
 from geoweave.errors import RenderError
+from geoweave.relaxed import relaxed_weave
+from geoweave.weave import weave_pattern
 
 
 def scene(stretch: float) -> viz.Scene:
@@ -41,3 +44,19 @@ def test_a_film_goes_there_and_back() -> None:
 def test_one_frame_is_no_film() -> None:
     with pytest.raises(RenderError, match="two frames or more"):
         viz.Film([scene(1.0)], "still").apng()
+
+
+def test_relaxing_draws_its_states_further_apart() -> None:
+    designed = relaxed_weave(weave_pattern(shapes.cone(faces=1000), ribbons=9), rounds=1).designed
+    moved = replace(designed, points=designed.points + [0, 0, 0.05])
+    steps = []
+    for times in (1.0, 3.0):
+        film = viz.relaxing([designed, moved], shapes.cone(faces=1000), "cone", frames=4, times=times)
+        first, last = (np.concatenate(scene._points[1:]).mean(axis=0) for scene in film.scenes)
+        steps.append(last - first)
+        assert len(film.scenes) == 2
+        assert film.scenes[0].focus == film.scenes[1].focus
+    assert steps[0][2] > 0.04
+    np.testing.assert_allclose(steps[1], 3 * steps[0], atol=1e-6)
+    with pytest.raises(RenderError, match="two states or more"):
+        viz.relaxing([designed], shapes.cone(faces=1000), "cone")

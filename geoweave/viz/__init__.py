@@ -16,7 +16,7 @@ if sys.platform.startswith("linux"):
     os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
 from geoweave.viz.charts import Drop, alternation_chart, convergence_chart, drop_chart
-from geoweave.viz.film import Film
+from geoweave.viz.film import Film, relaxing
 from geoweave.viz.gallery import (
     VIEWS,
     Panel,
@@ -112,6 +112,7 @@ __all__ = [
     "projections",
     "provenance",
     "publish",
+    "relaxing",
     "rod_gallery",
     "rosy_scene",
     "scattered",

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from PIL import Image
 
+from geoweave.arrays import Indices
 from geoweave.errors import RenderError
-from geoweave.viz.scene import Pixels, Scene
+from geoweave.mesh import TriMesh
+from geoweave.rods import Rods
+from geoweave.viz.rods import Sprung
+from geoweave.viz.scene import Pixels, Scene, View
 
 LARGEST = 900_000
 """Bytes that a film may take within a notebook."""
@@ -90,3 +94,50 @@ class Film:
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
         return {"image/png": self.apng(), "text/plain": f"Film({self.alt!r})"}
+
+
+def relaxing(
+    states: Sequence[Rods],
+    target: TriMesh,
+    view: View | str,
+    hues: Indices | None = None,
+    *,
+    frames: int = 12,
+    times: float = 2.0,
+    alt: str = "",
+) -> Film:
+    """Film how rods come to rest: early steps, which move most, get most frames.
+
+    Parameters
+    ----------
+    states : the rods, from the first to the last
+    target : the surface they were designed on, drawn as a veil
+    view : where from, or the name of a model in `VIEWS`
+    hues : (R,) colour of each rod
+    frames : how many states are drawn
+    times : vertices are drawn this many times as far from the first state as they are
+    alt : one sentence that says what is to be seen
+
+    Raises
+    ------
+    RenderError
+        If there are fewer than two states.
+    """
+    if len(states) < 2:
+        raise RenderError("a film needs two states or more")
+    picked = np.unique(np.rint(np.geomspace(1, len(states), frames)).astype(int)) - 1
+    first = states[0].points
+    middle = 0.5 * (target.vertices.min(axis=0) + target.vertices.max(axis=0))
+    reach = 1.05 * float(np.linalg.norm(target.vertices - middle, axis=1).max())
+    scenes = [
+        Sprung(
+            replace(states[k], points=first + times * (states[k].points - first)),
+            target,
+            view=view,
+            hues=hues,
+            opacity=0.35,
+            focus=(tuple(middle), reach),
+        ).scene()
+        for k in picked
+    ]
+    return Film(scenes, alt or f"A weave comes to rest, its motion {times:g} times as large as it is")
