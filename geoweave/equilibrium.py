@@ -110,7 +110,7 @@ class Equilibrium:
 NO_FORCE = 1e-15
 """Forces below this share of ``Y w h``, which would double a ribbon's length, are rounding."""
 
-NEAR = 0.02
+NEAR = 0.1
 """Newton steps are tried where the forces balance to this share."""
 
 FORESEEN = 0.2
@@ -124,8 +124,8 @@ Solve: TypeAlias = Callable[[Scalars], Scalars]
 DAMPING = (1e-12, 1e-9, 1e2)
 """Least, first and largest damping as a share of the stretching stiffness of a segment."""
 
-NEWTON = 1e-3
-"""Largest damping of Newton steps."""
+NEWTON = (1e-12, 1e-6, 1e-3)
+"""Least, first and largest damping of Newton steps."""
 
 
 def minimized(
@@ -162,7 +162,7 @@ def minimized(
     now, share = problem.completed(problem.tried(rods)), 0.0
     history: list[Step] = []
     foreseen = [np.zeros_like(r) for r in now.residuals]
-    damping, shift, ending = DAMPING[1], DAMPING[1], ""
+    damping, shift, ending = DAMPING[1], NEWTON[1], ""
     with one_blas_thread():
         while True:
             history.append(Step(len(history), now.energies, now.relative, share))
@@ -177,8 +177,9 @@ def minimized(
             taken = None
             if now.relative < NEAR and problem.is_foreseen(now, foreseen):
                 taken, shift = problem.newton(now, shift, foreseen, numbers)
-            while taken is None and damping <= DAMPING[2]:
-                taken = problem.advanced(now, problem.factored(now, damping), numbers)
+            matrix = problem.matrix(now) if taken is None else None
+            while matrix is not None and taken is None and damping <= DAMPING[2]:
+                taken = problem.advanced(now, problem.factored(matrix, damping), numbers)
                 if taken is None:
                     damping *= 30.0
                 else:
@@ -307,28 +308,32 @@ class _Problem:
         off = sum(float(((r - f) ** 2).sum()) for r, f in zip(now.residuals, foreseen, strict=True))
         return 0.5 * off <= FORESEEN * sum(0.5 * float((r**2).sum()) for r in now.residuals)
 
-    def factored(self, now: _State, damping: float, forces: list[Table] | None = None) -> Solve | None:
-        """Factor the damped second derivative; None if it is not positive definite to working precision.
+    def matrix(self, now: _State, forces: list[Table] | None = None) -> sparse.csr_array:
+        """Return the second derivative of the energy, Gauss-Newton's if no forces are given.
 
-        Without forces it is Gauss-Newton's. Forces weigh the second derivatives of the residuals. Those
-        foreseen by the last step are better than the residuals themselves: in a stiff contact a small
-        second-order error is a large force, which the next step takes away (as multipliers in SQP).
+        Forces weigh the second derivatives of the residuals. Those foreseen by the last step are better than
+        the residuals themselves: in a stiff contact a small second-order error is a large force, which the
+        next step takes away (as multipliers in SQP).
         """
-        pattern = self.pattern
         extra: list[Table | None] = [None] * len(self.terms)
         for number, term in enumerate(self.terms if forces is not None else ()):
             if forces is not None and term.curvature is not None:
                 extra[number] = term.curvature(now.rods, forces[number])
-        matrix = pattern.matrix(now.jacobians, extra, damping * self.stiff * self.unit**2)
+        return self.pattern.matrix(now.jacobians, extra)
+
+    def factored(self, matrix: sparse.csr_array, damping: float) -> Solve | None:
+        """Factor a damped matrix; None if it is not positive definite to working precision."""
+        pattern = self.pattern
+        damped = pattern.shifted(matrix, damping * self.stiff * self.unit**2)
         try:
-            factor = cholesky.factor(matrix, pattern.symbolic)
+            factor = cholesky.factor(damped, pattern.symbolic)
         except cholesky.NotDefiniteError:
             return None
 
         def solve(right: Scalars) -> Scalars:
             own = right[pattern.free]
             solution = cholesky.solve(pattern.symbolic, factor, own)
-            solution += cholesky.solve(pattern.symbolic, factor, own - matrix @ solution)
+            solution += cholesky.solve(pattern.symbolic, factor, own - damped @ solution)
             out = np.zeros(pattern.size)
             out[pattern.free] = solution
             return out
@@ -343,12 +348,13 @@ class _Problem:
         Near a saddle a step grows along the unstable direction the more, the less the damping is above what
         makes the matrix positive definite; so it changes by factors of four only.
         """
-        for _ in range(TRIES):
-            taken = self.advanced(now, self.factored(now, shift, foreseen), numbers)
+        matrix = self.matrix(now, foreseen)
+        for attempt in range(TRIES):
+            taken = self.advanced(now, self.factored(matrix, shift), numbers)
             if taken is not None:
-                change = 0.25 if taken.share > 0.5 else 4.0 if taken.share < 0.25 else 1.0
-                return taken, min(max(change * shift, DAMPING[0]), NEWTON)
-            shift = min(4.0 * shift, NEWTON)
+                change = 4.0 if taken.share < 0.25 else 0.25 if taken.share > 0.5 and not attempt else 1.0
+                return taken, min(max(change * shift, NEWTON[0]), NEWTON[2])
+            shift = min(4.0 * shift, NEWTON[2])
         return None, shift
 
     def solved(self, rods: Rods, solve: Solve, gradient: Scalars) -> Scalars | None:

@@ -72,9 +72,6 @@ STILL = 1e-3
 SOFT = 10.0
 """Contacts first hold sections flush with this many times the edgewise stiffness of a segment (B / l)."""
 
-ROUGHLY_RELAXED = 1e-3
-"""Forces balance to this share with soft contacts, before those that were asked for take their place."""
-
 NEARBY = 3
 """Segments on each side among which a contact looks for its new place after sliding."""
 
@@ -311,10 +308,9 @@ def relax(
     edgewise = float((rods.material.edgewise(rods.widths) / rods.rest).mean())
     soft = replace(stiff, orientation=min(SOFT * edgewise, stiff.orientation))
     harder = stiff.orientation / soft.orientation
-    stages = [(terms, numbers, 1.0)]
+    stages = [(terms, 1.0)]
     if len(rods.contacts) and harder > 1:
-        roughly = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY_RELAXED))
-        stages.insert(0, (relaxing_terms(rods, soft), roughly, harder))
+        stages.insert(0, (relaxing_terms(rods, soft), harder))
     steps: list[Step] = []
 
     def told(step: Step, harder: float) -> None:
@@ -324,11 +320,11 @@ def relax(
         if callback is not None:
             callback(replace(steps[-1], rods=step.rods))
 
-    for energies, limits, factor in stages:
+    for energies, factor in stages:
         found = minimized(
             rods,
             energies,
-            stepping=limits,
+            stepping=numbers,
             fixed=held,
             load=load,
             pattern=pattern,

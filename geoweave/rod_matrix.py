@@ -30,9 +30,7 @@ class Pattern:
     indices: Indices
     starts: Indices
 
-    def matrix(
-        self, jacobians: Sequence[Table], curvatures: Sequence[Table | None], shift: Scalars
-    ) -> sparse.csc_array:
+    def matrix(self, jacobians: Sequence[Table], curvatures: Sequence[Table | None]) -> sparse.csr_array:
         """Sum ``J' J`` and curvatures of all terms, on the free unknowns in elimination order."""
         blocks = []
         for _, members in self.groups:
@@ -43,10 +41,17 @@ class Pattern:
                 if extra is not None:
                     block += extra
             blocks.append(block.ravel())
-        blocks.append(shift)
+        blocks.append(np.zeros(self.size))  # every diagonal entry is there, whatever the terms are
         entries = np.concatenate(blocks)[self.kept]
         data = np.bincount(self.slots, weights=entries, minlength=len(self.indices))
-        return sparse.csc_array((data, self.indices, self.starts), shape=(len(self.free),) * 2)
+        return sparse.csr_array((data, self.indices, self.starts), shape=(len(self.free),) * 2)
+
+    def shifted(self, matrix: sparse.csr_array, shift: Scalars) -> sparse.csr_array:
+        """Add a diagonal (size,) to a matrix of this pattern."""
+        data = matrix.data.copy()
+        # the last slots are those of the diagonal, in the order of the unknowns
+        data[self.slots[-len(self.free) :]] += shift[np.sort(self.free)]
+        return sparse.csr_array((data, self.indices, self.starts), shape=matrix.shape)
 
 
 def analysed(size: int, terms: Sequence[Term], fixed: Flags) -> Pattern:
@@ -76,7 +81,7 @@ def analysed(size: int, terms: Sequence[Term], fixed: Flags) -> Pattern:
     key, slots = np.unique(position[column] * n + position[row], return_inverse=True)
     starts = np.searchsorted(key, np.arange(n + 1) * n)
     indices, starts = (key % n).astype(np.int32), starts.astype(np.int32)
-    pattern = sparse.csc_array((np.ones(len(key)), indices, starts), shape=(n, n))
+    pattern = sparse.csr_array((np.ones(len(key)), indices, starts), shape=(n, n))
     return Pattern(
         size,
         free[order],

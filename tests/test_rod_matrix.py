@@ -13,7 +13,8 @@ def test_the_matrix_is_the_sum_of_squared_jacobians(held):
     fixed = np.arange(rods.size) < held
     pattern = rod_matrix.analysed(rods.size, terms, fixed)
     shift = np.linspace(0.1, 0.2, rods.size)
-    matrix = pattern.matrix([term.derivative(rods) for term in terms], [None] * len(terms), shift)
+    plain = pattern.matrix([term.derivative(rods) for term in terms], [None] * len(terms))
+    matrix = pattern.shifted(plain, shift)
     dense = sum((term.jacobian(rods).T @ term.jacobian(rods)).toarray() for term in terms) + np.diag(shift)
     assert sorted(pattern.free.tolist()) == list(range(held, rods.size))
     np.testing.assert_allclose(
@@ -26,7 +27,8 @@ def test_the_pattern_is_factored_at_other_places_too():
     terms = relaxing_terms(rods)
     pattern = rod_matrix.analysed(rods.size, terms, np.zeros(rods.size, dtype=bool))
     moved = rods.stepped(0.01 * np.ones(rods.size))
-    matrix = pattern.matrix([t.derivative(moved) for t in terms], [None] * len(terms), np.ones(rods.size))
+    plain = pattern.matrix([t.derivative(moved) for t in terms], [None] * len(terms))
+    matrix = pattern.shifted(plain, np.ones(rods.size))
     factor = cholesky.factor(matrix, pattern.symbolic)
     right = np.arange(rods.size, dtype=float)
     solution = cholesky.solve(pattern.symbolic, factor, right)
@@ -42,8 +44,8 @@ def test_curvature_is_added_where_it_is_given():
     extra = [
         None if term.curvature is None else term.curvature(longer, term.residual(longer)) for term in terms
     ]
-    plain = pattern.matrix(derivatives, [None] * len(terms), np.zeros(rods.size))
-    full = pattern.matrix(derivatives, extra, np.zeros(rods.size))
+    plain = pattern.matrix(derivatives, [None] * len(terms))
+    full = pattern.matrix(derivatives, extra)
     dense = np.zeros((rods.size, rods.size))
     for term, blocks in zip(terms, extra, strict=True):
         for unknowns, block in zip(term.unknowns, blocks, strict=True):
