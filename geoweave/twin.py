@@ -26,7 +26,7 @@ from geoweave.relaxation import Springs, relax
 from geoweave.relaxed import vertex_normals
 from geoweave.rods import Rods
 from geoweave.twin_rods import LaidStrips, laid
-from geoweave.twin_start import net_of, outward, placed
+from geoweave.twin_start import has_outside, net_of, outward, placed
 from geoweave.twin_surface import PatternSurface, surface_of
 from geoweave.weavefiles import at_rest
 
@@ -35,11 +35,11 @@ __all__ = ["COMES_BACK", "STEPPING", "Likeness", "Twin", "assembled"]
 COMES_BACK = 0.05
 """An object has come back if no crossing is farther off than this share of the bounding diagonal."""
 
-STEPPING = Stepping(tolerance=1e-3, most_steps=150)
+STEPPING = Stepping(tolerance=1e-3, most_steps=100)
 """Numbers of the relaxation: shapes are compared to a per cent, and the last digits take longest."""
 
-NO_SIDE = 0.05
-"""Below this `outward`, a surface has no outside by which its mirror images could be told apart."""
+TRYING = Stepping(tolerance=1e-2, most_steps=30)
+"""Numbers of the relaxation of each start; the one of least energy goes on."""
 
 
 class Likeness(NamedTuple):
@@ -89,6 +89,7 @@ class Twin:
     placed : (C, 3) where crossings were put before physics, mm
     start : strips laid there
     rest : where the rods came to rest, at bounding radius 1
+    tried : energies at which the starts arrived, of which the least went on
     seconds : wall-clock seconds of each stage
     """
 
@@ -96,6 +97,7 @@ class Twin:
     placed: Vectors
     start: LaidStrips
     rest: Equilibrium
+    tried: tuple[float, ...]
     seconds: dict[str, float]
 
     @property
@@ -122,6 +124,11 @@ class Twin:
     def outward(self) -> float:
         """How clearly the printed side is out, from -1 to 1; near 0 for a saddle, which has no outside."""
         return outward(self.surface, self.crossings)
+
+    @property
+    def side_known(self) -> bool:
+        """Whether that tells the object from its mirror image; of the two either may be woven if not."""
+        return has_outside(self.surface, self.outward)
 
     def compared(self, document: Mapping[str, Any], name: str = "weave.json") -> Likeness:
         """Put the twin on a weave by the best rigid motion, and measure how far it is off.
@@ -190,12 +197,13 @@ class Twin:
                 "contradictions": [surface.said(slip) for slip in surface.slips],
             },
             "outward": self.outward,
-            "side_known": abs(self.outward) > NO_SIDE,
+            "side_known": self.side_known,
             "converged": self.rest.converged,
             "ending": self.rest.ending,
             "steps": len(self.rest.steps) - 1,
             "energy": self.rest.steps[-1].energy,
             "energies": self.rest.energies,
+            "energies_tried": list(self.tried),
             "strain": {
                 "largest": float(strain[most]),
                 "ribbon": pattern.strips[int(self.rods.layout.rod_of_segment[most])].label,
@@ -284,7 +292,8 @@ def assembled(
     ----------
     pattern : flat strips and their crossings; no coordinate in space goes in
     anyway : put together also what contradicts itself
-    mirrored : begin with the mirror image; the printed side must come out all the same
+    mirrored : begin with the mirror image. The printed side comes out all the same; only an object without an
+        outside comes out mirrored (`Twin.side_known`)
     springs : stiffnesses of the contacts
     stepping : numbers of the relaxation; `STEPPING` if not given
     callback : called with every `Step` of it
@@ -310,14 +319,20 @@ def assembled(
         more = f", and {len(plain) - 1} more such places" if len(plain) > 1 else ""
         raise FieldError(
             f"the pattern contradicts itself: {surface.said(plain[0])}{more}; correct the place, or export "
-            "the weave as it was designed (--no-relax), before its ribbons slid past each other"
+            "the weave as it was designed (--no-relax), before its ribbons slid past each other; --anyway "
+            "puts it together all the same"
         )
     points = placed(surface, net_of(surface), mirrored=mirrored)
-    start = laid(surface, points)
+    # Energies of different starts compare at one unit.
+    unit = laid(surface, points[-1]).unit
+    starts = [laid(surface, each, unit) for each in points]
     between = time.perf_counter()
-    rest = relax(start.rods, springs=springs, stepping=stepping or STEPPING, callback=callback)
+    tries = [relax(start.rods, springs=springs, stepping=TRYING, callback=callback) for start in starts]
+    energies = tuple(each.steps[-1].energy for each in tries)
+    best = int(np.argmin(energies))
+    rest = relax(tries[best].rods, springs=springs, stepping=stepping or STEPPING, callback=callback)
     seconds = {"start": between - clock, "relax": time.perf_counter() - between}
-    return Twin(surface, frozen(points), start, rest, seconds)
+    return Twin(surface, frozen(points[best]), starts[best], rest, energies, seconds)
 
 
 def _matched(pattern: Pattern, pairs: Indices, at: Scalars, places: Vectors) -> Vectors:

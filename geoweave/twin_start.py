@@ -21,7 +21,18 @@ from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
 from geoweave.twin_surface import PatternSurface
 
-__all__ = ["SMOOTHING", "Net", "crossing_normals", "net_of", "outward", "placed", "scaled", "settled"]
+__all__ = [
+    "SMOOTHING",
+    "Net",
+    "Smoothing",
+    "crossing_normals",
+    "has_outside",
+    "net_of",
+    "outward",
+    "placed",
+    "scaled",
+    "settled",
+]
 
 
 class Smoothing(NamedTuple):
@@ -47,6 +58,9 @@ SPREAD = 0.5
 
 ROUND = 0.3
 """If the fourth axis of the scaling has this share of the third, the third is no clear direction."""
+
+NO_OUTSIDE = 0.6
+"""A surface with openings has an outside from this `outward` on; it is 1 for a cone and 0.3 for a saddle."""
 
 VOICE, VOTES = 0.5, 4
 """Weight of each neighbour in the normal of a crossing, and how often all are asked."""
@@ -98,20 +112,23 @@ def net_of(surface: PatternSurface) -> Net:
     )
 
 
-def placed(surface: PatternSurface, net: Net, *, mirrored: bool = False) -> Vectors:
-    """Place the crossings of a pattern in space, its printed side out.
+def placed(surface: PatternSurface, net: Net, *, mirrored: bool = False) -> tuple[Vectors, ...]:
+    """Place the crossings of a pattern in space, its printed side out, in several ways.
 
-    The distances cannot tell a shape from its mirror image; that the outside is outside does. A shape that is
-    flat in the scaling, as a cone seen from its tip, is also tried as a bowl; the better fit is taken.
+    Distances cannot tell a shape from its mirror image; that the outside is outside does, where there is one
+    (`outward`). A shape that is flat in the scaling, as a cone seen from its tip, is also tried as a bowl,
+    and the better fit is taken.
 
     Parameters
     ----------
     surface, net : of the pattern
-    mirrored : begin with the mirror image of the scaling; the result must not depend on it
+    mirrored : begin with the mirror image of the scaling. The result does not depend on it, but for a surface
+        without an outside, of which the mirror image comes out
 
     Returns
     -------
-    (C, 3) points, mm, about the origin.
+    (C, 3) points, mm, about the origin, after each stage of `settled`: the later, the nearer to the lengths,
+    and the more wrinkles, of which rods may not get rid.
 
     Raises
     ------
@@ -126,9 +143,12 @@ def placed(surface: PatternSurface, net: Net, *, mirrored: bool = False) -> Vect
         height -= height.mean()
         bowl[:, 2] = height * np.sqrt((points[:, 2] ** 2).sum() / (height**2).sum())
         starts.append(bowl)
-    found = [settled(surface, net, start * ([1.0, 1.0, -1.0] if mirrored else 1.0)) for start in starts]
-    best = min(found, key=lambda each: each[1])[0]
-    return best if outward(surface, best) >= 0 else best * [1.0, 1.0, -1.0]
+    image = np.array([1.0, 1.0, -1.0])
+    found = [settled(surface, net, start * image if mirrored else start) for start in starts]
+    stages = min(found, key=lambda each: each[1])[0]
+    side = outward(surface, stages[-1])
+    turn = (side < 0) if has_outside(surface, side) else (side < 0) != mirrored
+    return tuple(each * image if turn else each for each in stages)
 
 
 def scaled(net: Net, count: int) -> tuple[Vectors, Scalars]:
@@ -172,7 +192,7 @@ def scaled(net: Net, count: int) -> tuple[Vectors, Scalars]:
 
 def settled(
     surface: PatternSurface, net: Net, points: Vectors, smoothing: tuple[Smoothing, ...] = SMOOTHING
-) -> tuple[Vectors, float]:
+) -> tuple[tuple[Vectors, ...], float]:
     """Let springs of the net's lengths and smooth strips balance, with less and less weight on the latter.
 
     Minimises ``sum w (|p - q| - l)^2 / l + b u^2 sum |(p+ - p) / l+ - (p - p-) / l-|^2 / l`` by damped
@@ -182,13 +202,14 @@ def settled(
     Returns
     -------
     tuple
-        (C, 3) points and the energy at the end, mm.
+        (C, 3) points about the origin after each stage, and the energy at the end, mm.
     """
     problem = _Springs(net, len(points))
-    energy = np.inf
+    energy, stages = np.inf, []
     for smooth in smoothing:
         points, energy = problem.minimum(points, smooth, crossing_normals(surface, points))
-    return points - points.mean(axis=0), energy
+        stages.append(points - points.mean(axis=0))
+    return tuple(stages), energy
 
 
 def crossing_normals(surface: PatternSurface, points: Vectors) -> Vectors:
@@ -219,19 +240,24 @@ def crossing_normals(surface: PatternSurface, points: Vectors) -> Vectors:
 
 
 def outward(surface: PatternSurface, points: Vectors) -> float:
-    """Volume within the faces as a share of the volumes of all their cones from the centre, from -1 to 1.
+    """Volume between the centre and the faces as a share of the volumes of all their cones, from -1 to 1.
 
     It is 1 for a convex shape with the printed side out, -1 for its mirror image, and near 0 for a saddle,
     which has no outside.
     """
     centre = points.mean(axis=0)
     cones = []
-    for walk in surface.faces:
+    for walk in surface.meshes:
         corner = points[walk // 4] - centre
         cones.append(np.cross(corner[1:-1], corner[2:]) @ corner[0])
     volumes = np.concatenate(cones)
     total = float(np.abs(volumes).sum())
     return float(volumes.sum()) / total if total > 0 else 0.0
+
+
+def has_outside(surface: PatternSurface, side: float) -> bool:
+    """Whether `outward` tells a shape from its mirror image: a closed one has an outside, a saddle none."""
+    return abs(side) > (0.0 if surface.openings == 0 else NO_OUTSIDE)
 
 
 class _Springs:

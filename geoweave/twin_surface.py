@@ -37,6 +37,9 @@ OPENING = 10
 CLOSE = 1.0
 """Crossings nearer than this many widths lie on each other; their order does not show on the object."""
 
+HEAPED = 0.25
+"""Crossings nearer than this many widths are one heap, in which strips turn as they like."""
+
 SHALLOW = 15.0
 """Below this angle, degrees, the ribbons of a crossing lie along each other, and its sign does not show."""
 
@@ -132,12 +135,18 @@ class PatternSurface:
         return tuple(counts)
 
     @cached_property
-    def openings(self) -> int:
-        """Faces that are so large, and into which so many strips end, that they are rims and not meshes."""
-        return sum(
-            len(walk) >= OPENING and 2 * ends >= len(walk)
+    def meshes(self) -> tuple[Indices, ...]:
+        """Faces without the openings: rims, so large that they are no meshes, into which many strips end."""
+        return tuple(
+            walk
             for walk, ends in zip(self.faces, self.tails, strict=True)
+            if len(walk) < OPENING or 2 * ends < len(walk)
         )
+
+    @property
+    def openings(self) -> int:
+        """Number of faces that are rims."""
+        return len(self.faces) - len(self.meshes)
 
     @cached_property
     def pieces(self) -> tuple[tuple[int, ...], ...]:
@@ -250,7 +259,8 @@ class PatternSurface:
             if self._faces_through(own, {}, clockwise) - self._faces_through(own, {}, {}) >= 2:
                 angle = abs(float(pattern.angle[x]))
                 angle = min(angle, 180.0 - angle)
-                found.append(Slip("angle", (x,), int(pattern.ribbons[x, 0]), angle, angle > SHALLOW))
+                clear = angle > SHALLOW and self.stretch[own].min() > HEAPED * pattern.width
+                found.append(Slip("angle", (x,), int(pattern.ribbons[x, 0]), angle, bool(clear)))
         return found
 
     def _wrong_orders(self) -> list[Slip]:

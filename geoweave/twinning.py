@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,9 @@ import click
 from geoweave.terminal import about, as_json, new_folder, print_json, print_table, status, timed
 
 if TYPE_CHECKING:
+    from geoweave.equilibrium import Step
+    from geoweave.pattern import Pattern
+    from geoweave.terminal import Say
     from geoweave.twin import Likeness, Twin
 
 
@@ -22,7 +26,6 @@ if TYPE_CHECKING:
 def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
     """Put a pattern.json together in simulation, and say whether the woven object comes back."""
     from geoweave.outputs import write_texts
-    from geoweave.twin import assembled
     from geoweave.weavefiles import read_weave
 
     path = Path(source)
@@ -40,19 +43,18 @@ def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
             }
         say("putting the strips together")
         with about(str(path)):
-            made = assembled(
-                pattern,
-                anyway=anyway,
-                callback=lambda step: say(
-                    f"relaxing: step {step.number}, forces balance to {step.gradient:.1g}"
-                ),
-            )
+            made = _made(pattern, anyway, say)
         seconds |= made.seconds
         with timed(seconds, "compare"):
-            found = {
-                what: made.compared(document, "relaxed.json" if what == "woven" else "weave.json")
-                for what, document in beside.items()
-            }
+            found = _found(made, beside)
+        if found and not made.side_known:
+            # The pattern alone allows two mirror images; the one that was meant is compared.
+            say("putting the mirror image together")
+            image = _made(pattern, anyway, say, mirrored=True)
+            other = _found(image, beside)
+            seconds = {key: value + image.seconds.get(key, 0.0) for key, value in seconds.items()}
+            if next(iter(other.values())).ribbons.rms < next(iter(found.values())).ribbons.rms:
+                made, found = image, other
         target = next(iter(found.values()), None)
         with timed(seconds, "write"):
             document = made.document(target)
@@ -80,6 +82,21 @@ def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
     click.echo(sentence(made, target, "relaxed.json" if "woven" in found else "weave.json"))
 
 
+def _made(pattern: Pattern, anyway: bool, say: Say, *, mirrored: bool = False) -> Twin:
+    from geoweave.twin import assembled
+
+    def told(step: Step) -> None:
+        say(f"relaxing: step {step.number}, forces balance to {step.gradient:.1g}")
+
+    return assembled(pattern, anyway=anyway, mirrored=mirrored, callback=told)
+
+
+def _found(made: Twin, beside: Mapping[str, Any]) -> dict[str, Likeness]:
+    """How far a twin is from each of the weaves."""
+    names = {"woven": "relaxed.json", "designed": "weave.json"}
+    return {what: made.compared(document, names[what]) for what, document in beside.items()}
+
+
 def sentence(made: Twin, target: Likeness | None, name: str) -> str:
     """What a maker is told in the end."""
     strips, doubts = made.pattern.strips, made.surface.slips
@@ -94,7 +111,7 @@ def sentence(made: Twin, target: Likeness | None, name: str) -> str:
     return f"The object comes back: its crossings are {far} from those of {name} ({where}).{end}"
 
 
-def _read(path: Path) -> Any:
+def _read(path: Path) -> Pattern:
     """Read a pattern, or say in one sentence why not."""
     from geoweave.errors import FieldError
     from geoweave.pattern import Pattern
@@ -130,7 +147,7 @@ def _rows(result: dict[str, Any], made: Twin, found: dict[str, Likeness]) -> lis
         ("faces", f"{net['faces']:,}; {closed}"),
         *(("  doubtful", text) for text in doubts[:5]),
         *([("  ", f"and {len(doubts) - 5} more such places")] if len(doubts) > 5 else []),
-        ("outside", "known" if result["side_known"] else "not told apart from its mirror image"),
+        ("outside", "known" if result["side_known"] else "none: the mirror image is as possible"),
         ("at rest", f"{'yes' if made.rest.converged else 'nearly'}, after {result['steps']} steps"),
         ("stretched", f"{strain['largest']:+.2%} at most, {strain['ribbon']}"),
         ("bow", f"{bow['largest']:.3g} mm at most, {bow['ribbon']}; strips are straight"),
