@@ -12,16 +12,10 @@ from numpy.typing import ArrayLike
 from geoweave import rod_matrix
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.closest import BoxTree, closest_points, triangle_tree
+from geoweave.contact_energies import ORIENTATION, contact_orientation, contact_position
 from geoweave.equilibrium import Equilibrium, Step, Stepping, minimized
 from geoweave.mesh import TriMesh
-from geoweave.rod_energies import (
-    ORIENTATION,
-    Term,
-    contact_orientation,
-    contact_position,
-    elastic_terms,
-    sliding,
-)
+from geoweave.rod_energies import Term, elastic_terms, sliding
 from geoweave.rodfiles import RodError
 from geoweave.rods import Contacts, Rods
 

@@ -66,12 +66,14 @@ LAYERS = (
     (
         "rods",
         {
+            "contact_energies",
             "departure",
             "equilibrium",
             "relaxation",
             "ribbon_rods",
             "rod_energies",
             "rod_matrix",
+            "rod_steps",
             "rods",
         },
     ),
