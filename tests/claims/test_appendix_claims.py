@@ -1,4 +1,4 @@
-"""Sentences of Sections 2 and 4 and Appendix C that small examples settle."""
+"""Sentences of Sections 2, 4 and 6 and of Appendix C that small examples settle."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 import geoweave as gw
-from geoweave import operators, shapes
-from geoweave.fields import FaceField, random_field
+from geoweave import datasets, operators, shapes
+from geoweave.fields import FaceField, random_field, total_curl
 from geoweave.geodesic import geodesic_field
 from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
+from geoweave.remesh import isotropic_remesh
 from geoweave.rescaling import perpendicular
 from geoweave.tracing import streamlines
 
@@ -65,6 +66,20 @@ def test_most_curved_meshes_have_no_field_that_is_unit_and_curl_free() -> None:
     assert least_residual(regular) < 1e-6
     for curved in (shaken(regular), shapes.sphere(faces=80), shaken(shapes.sphere(faces=80))):
         assert least_residual(curved) > 2e-4
+
+
+@pytest.mark.parametrize("name", ["bunny", "spot"])
+def test_fields_are_resilient_to_the_tessellation(name: str) -> None:
+    """Section 6: solutions are "invariant to the scale of T and resilient to its tessellation", without a
+    guarantee. From 3,000 to 9,000 faces the total curl of either field stays within 15 % of its mean."""
+    curls = []
+    for faces in (3000, 4500, 9000):
+        mesh = isotropic_remesh(datasets.load(name), faces).normalized()[0]
+        start = gw.smoothest_field(mesh)
+        curls.append([total_curl(start), total_curl(geodesic_field(start).field)])
+    found = np.array(curls)
+    assert np.abs(found / found.mean(axis=0) - 1).max() < 0.15
+    assert (found[:, 1] < 0.5 * found[:, 0]).all()
 
 
 def problem(field: FaceField, mu: float = 1e-4) -> tuple[Matrix, Matrix, Matrix]:
