@@ -322,4 +322,4 @@ def test_what_cannot_be_drawn_is_refused(sphere, circles):
     with pytest.raises(RenderError, match="up axis"):
         _ = viz.View(up="w").axes
     with pytest.raises(RenderError, match="cannot name a figure"):
-        viz.publish("../escape", viz.portrait(viz.Panel("Circles", circles), height=60))
+        viz.publish("../escape", viz.streamline_gallery([viz.Panel("Circles", circles)], width=200))

@@ -23,7 +23,6 @@ from geoweave.viz.gallery import (
     Scale,
     curl_scale,
     curvature_scale,
-    portrait,
     streamline_gallery,
 )
 from geoweave.viz.layout import gallery
@@ -108,7 +107,6 @@ __all__ = [
     "mesh_digest",
     "periodic_gallery",
     "plates",
-    "portrait",
     "projections",
     "provenance",
     "publish",

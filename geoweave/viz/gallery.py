@@ -199,23 +199,6 @@ def streamline_gallery(
     return Picture(figure, words, tuple(each.colormap for each in scales))
 
 
-def portrait(
-    panel: Panel,
-    *,
-    height: int = 1600,
-    width: int | None = None,
-    share: float = 0.02,
-    percentile: float = 95.0,
-    alt: str = "",
-) -> Picture:
-    """Draw one model large and alone, without words: the picture at the top of the README."""
-    scene = panel_scene(panel, curvature_scale([panel], percentile), None, share)
-    picture = scene.draw(height, width=width)
-    figure = sheet(picture.shape[1], picture.shape[0])
-    place(figure, picture, 0, 0)
-    return Picture(figure, alt or f"Streamlines on {panel.title}")
-
-
 def panel_scene(
     panel: Panel, scale: Scale | None = None, curl: Scale | None = None, share: float = 0.04
 ) -> Scene:
