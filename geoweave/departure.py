@@ -2,8 +2,9 @@
 
 Distances are shares of the diagonal of the target's bounding box. Rods have no place of their own in space,
 so they are first put back on the design by the rigid motion that best takes each place of a ribbon to where
-it was designed to be (Kabsch). That fit has one answer. A fit to the surface (ICP) would slide along a torus
-and turn on a sphere, and would come out smaller than what a maker sees.
+it was designed to be (Kabsch), unless a boundary holds them where they are. That fit has one answer. A fit to
+the surface (ICP) would slide along a torus and turn on a sphere, and would come out smaller than what a maker
+sees.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ class Distances:
 
 @dataclass(frozen=True, eq=False)
 class Departure:
-    """Where rods have gone, after the best rigid fit.
+    """Where rods have gone, after the best rigid fit unless something holds them.
 
     Attributes
     ----------
@@ -98,8 +99,8 @@ def rigid_fit(points: Vectors, targets: Vectors, weights: Scalars) -> tuple[Vect
     return rotation, goal - rotation @ middle
 
 
-def fitted(rods: Rods, design: Rods) -> Vectors:
-    """(V, 3) vertices of rods, put on those of their design by the best rigid motion.
+def fitted(rods: Rods, design: Rods, *, placed: bool = False) -> Vectors:
+    """(V, 3) vertices of rods, put on those of their design by the best rigid motion unless they are placed.
 
     Raises
     ------
@@ -108,11 +109,13 @@ def fitted(rods: Rods, design: Rods) -> Vectors:
     """
     if rods.layout is not design.layout and not np.array_equal(rods.layout.offsets, design.layout.offsets):
         raise RodError("the rods have other vertices than their design; compare rods made of one another")
+    if placed:
+        return rods.points
     rotation, shift = rigid_fit(rods.points, design.points, vertex_weights(design))
     return rods.points @ rotation.T + shift
 
 
-def departure(rods: Rods, design: Rods, surface: TriMesh) -> Departure:
+def departure(rods: Rods, design: Rods, surface: TriMesh, *, placed: bool = False) -> Departure:
     """Measure how far rods are from their design and from the target surface.
 
     Parameters
@@ -120,8 +123,14 @@ def departure(rods: Rods, design: Rods, surface: TriMesh) -> Departure:
     rods : relaxed
     design : the same rods as designed, on the surface
     surface : the target
+    placed : whether something holds the rods in space, such as a fixed boundary: then they are not moved
+
+    Raises
+    ------
+    RodError
+        If the two are not the same rods.
     """
-    points = fitted(rods, design)
+    points = fitted(rods, design, placed=placed)
     diagonal = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
     weights = vertex_weights(design)
     nearest, _ = closest_points(triangle_tree(surface.vertices[surface.faces]), points)

@@ -41,7 +41,8 @@ class Relaxed:
     designed : its ribbons as rods, on the surface
     slid : after sliding on the surface to release elastic strain (E.1)
     left : after relaxing with nothing that holds them to the surface (E.2)
-    departure : how far `left` is from the surface and from `slid`, after the best rigid fit
+    departure : how far `left` is from the surface and from `slid`, after the best rigid fit unless a boundary
+        holds it
     seconds : wall-clock seconds of each stage
     """
 
@@ -177,6 +178,6 @@ def relaxed_weave(
         start, springs=springs, stepping=stepping, fixed=fixed, gravity=gravity, callback=told("relax")
     )
     after = time.perf_counter()
-    away = departure(left.rods, start, weave.mesh)
+    away = departure(left.rods, start, weave.mesh, placed=fixed is not None and bool(fixed.any()))
     seconds = {"slide": between - clock, "relax": after - between, "departure": time.perf_counter() - after}
     return Relaxed(weave, rods, slid, left, away, seconds)

@@ -39,8 +39,7 @@ def relax(file: str, output: str, as_json: bool) -> None:
                 start, unit = rods_of_file(read_rods(file)), 1.0
             else:
                 document = read_weave(file)
-                content, over, center, unit = rods_of_document(document, Path(file).name)
-                start = rods_of_file(content, over)
+                start, center, unit = rods_of_document(document, Path(file).name)
         own = _check_other_weave(folder, Path(file))
         with timed(seconds, "relax"):
             found = relaxation.relax(

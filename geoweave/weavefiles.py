@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from geoweave.arrays import Indices, Scalars, Vectors, frozen
+from geoweave.arrays import Scalars, Vectors, frozen
 from geoweave.errors import GeoweaveError
-from geoweave.ribbon_rods import FINENESS
-from geoweave.rodfiles import Rod, RodCrossing, RodFile
-from geoweave.rods import Rods
+from geoweave.interlacing import Crossings
+from geoweave.ribbon_rods import FINENESS, rods_of_polylines
+from geoweave.rods import Material, Rods
 from geoweave.woven import FORMAT, VERSION
 
 __all__ = ["WeaveFileError", "WovenRods", "at_rest", "read_weave", "rods_of_document"]
@@ -28,12 +28,10 @@ class WeaveFileError(GeoweaveError):
 
 
 class WovenRods(NamedTuple):
-    """The ribbons of a ``weave.json`` as rods, and which of them lie above."""
+    """The ribbons of a ``weave.json`` as rods, and where they were."""
 
-    file: RodFile
-    """Centred at the mean of its points, the farthest of them at distance 1."""
-    over: Indices
-    """(C,) 0 or 1 for each crossing."""
+    rods: Rods
+    """Centred at the mean of the ribbons' points, the farthest of them at distance 1."""
     center: Vectors
     """(3,) of the points in the file's unit."""
     scale: float
@@ -83,29 +81,39 @@ def rods_of_document(document: Mapping[str, Any], name: str = "weave.json") -> W
         everything = np.concatenate([np.asarray(each["points"], dtype=np.float64) for each in ribbons])
         center = everything.mean(axis=0)
         scale = float(np.linalg.norm(everything - center, axis=1).max())
-        rods, knots = [], []
+        lines, normals, lengths = [], [], []
         for number, ribbon in enumerate(ribbons):
             place = f"ribbon {number}"
-            rod, at = _cut(ribbon, segment, width, center, scale)
-            rods.append(rod)
-            knots.append(at)
-        crossings, over = [], []
+            line, normal, length = _line(ribbon)
+            lines.append((line - center) / scale)
+            normals.append(normal)
+            lengths.append(length)
+        pairs, places, over = [], [], []
         for number, crossing in enumerate(document["crossings"]):
             place = f"crossing {number}"
-            pair = int(crossing["ribbons"][0]), int(crossing["ribbons"][1])
-            found = [
-                _located(knots[r], float(s), rods[r].closed)
-                for r, s in zip(pair, crossing["arclength"], strict=True)
-            ]
-            (a, x), (b, y) = found
-            crossings.append(RodCrossing(pair, (a, b), (x, y)))
+            pair = [int(r) for r in crossing["ribbons"]]
+            along = [float(s) for s in crossing["arclength"]]
+            for r, s in zip(pair, along, strict=True):
+                if not -1e-6 * lengths[r] <= s <= (1 + 1e-6) * lengths[r]:
+                    raise ValueError(f"arc length {s:g} is not on a ribbon of length {lengths[r]:g}")
+            pairs.append(pair)
+            places.append(along)
             over.append(int(crossing["over_index"]))
         place = "the weave"
-        file = RodFile(tuple(rods), tuple(crossings), thickness / scale, YOUNG, 1.0)
+        closed = np.array([bool(each["closed"]) for each in ribbons])
+        rods = rods_of_polylines(
+            lines,
+            normals,
+            Crossings(np.array(pairs), np.array(places) / scale, closed),
+            np.array(over, dtype=np.int64),
+            width / scale,
+            Material(thickness / scale, YOUNG),
+            segment / scale,
+        )
     except (KeyError, IndexError, TypeError, ValueError, GeoweaveError) as error:
         what = f"lacks {error}" if isinstance(error, KeyError) else str(error)
         raise WeaveFileError(f"{name}: {place}: {what}; write it again with 'geoweave weave'") from error
-    return WovenRods(file, np.array(over, dtype=np.int64), frozen(center), scale)
+    return WovenRods(rods, frozen(center), scale)
 
 
 def at_rest(
@@ -153,35 +161,10 @@ def at_rest(
     return {**document, "ribbons": ribbons, "crossings": crossings}
 
 
-def _cut(
-    ribbon: Mapping[str, Any], segment: float, width: float, center: Vectors, scale: float
-) -> tuple[Rod, Scalars]:
-    """One ribbon as a rod of equal segments, and the arc length of their ends in the file's unit."""
+def _line(ribbon: Mapping[str, Any]) -> tuple[Vectors, Vectors, float]:
+    """Points and normals of a ribbon, and its length."""
     points, normals = (np.asarray(ribbon[key], dtype=np.float64) for key in ("points", "normals"))
-    closed = bool(ribbon["closed"])
     if points.ndim != 2 or points.shape[1] != 3 or normals.shape != points.shape:
         raise ValueError(f"points of shape {points.shape} and normals of shape {normals.shape} do not fit")
-    if closed:
-        points, normals = np.concatenate([points, points[:1]]), np.concatenate([normals, normals[:1]])
-    length = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    at = np.concatenate([[0.0], np.cumsum(length)])
-    count = max(int(np.round(at[-1] / segment)), 3 if closed else 1)
-    knots = np.linspace(0.0, at[-1], count + 1)
-    line = np.column_stack([np.interp(knots, at, points[:, x]) for x in range(3)])
-    middle = 0.5 * (knots[1:] + knots[:-1])
-    thick = np.column_stack([np.interp(middle, at, normals[:, x]) for x in range(3)])
-    ways = np.diff(line, axis=0)
-    ways /= np.linalg.norm(ways, axis=1)[:, None]
-    thick -= (thick * ways).sum(axis=1)[:, None] * ways
-    thick /= np.linalg.norm(thick, axis=1)[:, None]
-    vertices = (line[:-1] if closed else line) - center
-    return Rod(vertices / scale, thick, np.full(count, width / scale), closed), knots
-
-
-def _located(knots: Scalars, s: float, closed: bool) -> tuple[int, float]:
-    """Segment, and place along it, of an arc length."""
-    if not -1e-6 * knots[-1] <= s <= (1 + 1e-6) * knots[-1]:
-        raise ValueError(f"arc length {s:g} is not on a ribbon of length {knots[-1]:g}")
-    s = s % knots[-1] if closed else s
-    at = int(np.clip(np.searchsorted(knots, s, side="right") - 1, 0, len(knots) - 2))
-    return at, float(np.clip((s - knots[at]) / (knots[at + 1] - knots[at]), 0.0, 1.0))
+    whole = np.concatenate([points, points[:1]]) if ribbon["closed"] else points
+    return points, normals, float(np.linalg.norm(np.diff(whole, axis=0), axis=1).sum())

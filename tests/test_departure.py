@@ -49,6 +49,14 @@ def test_no_rigid_motion_fits_better():
         assert cost(turn @ rotation, shift + 0.02 * rng.normal(size=3) * (k % 2)) >= least
 
 
+def test_rods_that_are_held_are_not_fitted():
+    rods, ball = hoops(), sphere(5120)
+    lifted = turned(rods, np.eye(3), np.array([0.0, 0.0, 0.2]))
+    found = departure(lifted, rods, ball, placed=True)
+    assert found.from_design.largest == pytest.approx(0.2 / found.diagonal)
+    np.testing.assert_array_equal(found.points, lifted.points)
+
+
 def test_rods_that_moved_as_a_whole_have_not_departed():
     rods, ball = hoops(), sphere(5120)
     moved = turned(rods, any_rotation(), np.array([4.0, 5, 6]))

@@ -91,4 +91,6 @@ def test_a_fixed_boundary_stays() -> None:
     assert 0 < fixed.sum() <= 2 * len(rods)
     found = relaxed_weave(weave, fixed_boundary=True, rounds=1)
     np.testing.assert_allclose(found.left.rods.points[fixed], rods.points[fixed], atol=1e-9)
+    # what is held is measured where it is
+    np.testing.assert_array_equal(found.departure.points, found.left.rods.points)
     assert not boundary_ends(weave_pattern(shapes.sphere(500), ribbons=8), rods).any()

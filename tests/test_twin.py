@@ -136,7 +136,7 @@ def test_the_document_is_a_weave(tmp_path: Path) -> None:
     there = np.array([each["point"] for each in again["crossings"]])
     here = np.array([each["point"] for each in target["crossings"]])
     assert np.linalg.norm(there - here, axis=1).max() < 0.01 * np.linalg.norm(np.ptp(here, axis=0))
-    assert len(rods_of_document(again).file.rods) == len(found.pattern.strips)
+    assert len(rods_of_document(again).rods) == len(found.pattern.strips)
     # and a pattern again: the lengths that went in, and the signs of the angles
     back = pattern_of(again)
     np.testing.assert_allclose(
