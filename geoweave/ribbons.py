@@ -29,6 +29,8 @@ class Cutting:
     Attributes
     ----------
     sharpest : a ribbon is cut where its geodesic curvature exceeds this, 1 / d; the sharp stretch is left out
+    window : half-width of the hat that this curvature is taken over, d: a kink by ``sharpest * window``
+        radians is cut, on a coarse mesh and on a fine one
     shortest : pieces shorter than this are dropped, d
     reach : how far an open end may be extended along a geodesic to its first crossing, d
     tail : what is left of a ribbon beyond its last crossing, d; two ribbons that cross again within it on
@@ -44,6 +46,7 @@ class Cutting:
     """
 
     sharpest: float = 1.0
+    window: float = 0.5
     shortest: float = 3.0
     reach: float = 2.0
     tail: float = 0.25
@@ -112,7 +115,7 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
         raise FieldError("there is no level set to make ribbons of; ask for a larger scale")
     spacing = families * float(level_sets.mesh.face_areas.sum() / level_sets.lengths.sum())
     tail, shortest = numbers.tail * spacing, numbers.shortest * spacing
-    pieces, origin = _cut(level_sets, numbers.sharpest / spacing, shortest)
+    pieces, origin = _cut(level_sets, numbers.sharpest / spacing, numbers.window * spacing, shortest)
     if not len(pieces):
         raise FieldError(f"all level sets are shorter than {shortest:.3g}; ask for a larger scale")
     single = np.flatnonzero(~doubled(pieces, numbers.beside * spacing))
@@ -247,9 +250,9 @@ def stretches(
     )
 
 
-def _cut(curves: Curves, sharpest: float, shortest: float) -> tuple[Curves, Indices]:
+def _cut(curves: Curves, sharpest: float, window: float, shortest: float) -> tuple[Curves, Indices]:
     """Leave out what bends more than allowed, and pieces that are too short."""
-    bends = np.abs(geodesic_curvature(curves)) > sharpest
+    bends = np.abs(geodesic_curvature(curves, window)) > sharpest
     which, start, end = [], [], []
     for c in range(len(curves)):
         own = slice(int(curves.offsets[c]), int(curves.offsets[c + 1]))

@@ -15,7 +15,7 @@ from geoweave.errors import FieldError
 from geoweave.integration import foliate
 from geoweave.isolines import isolines
 from geoweave.mesh import TriMesh
-from geoweave.ribbons import Cutting, Ribbons, doubled, ribbons, stretches
+from geoweave.ribbons import Cutting, Ribbons, _cut, doubled, ribbons, stretches
 from geoweave.rosy import smoothest_rosy
 from geoweave.straightest import straightest
 
@@ -149,6 +149,24 @@ def test_what_bends_too_much_is_cut_out() -> None:
     # The diameter is trimmed to the circle it crosses twice, and a tail at either end.
     assert found.curves.lengths[1] == pytest.approx(1.2 + 0.2 * spacing, rel=0.01)
     assert len(found.crossings) == 2
+
+
+@pytest.mark.parametrize("faces", [500, 8000])
+@pytest.mark.parametrize(("half", "pieces"), [(10.0, 1), (20.0, 2)])
+def test_a_kink_is_cut_by_its_angle_on_a_coarse_mesh_and_on_a_fine_one(
+    faces: int, half: float, pieces: int
+) -> None:
+    """Level sets that turn by 20 or 40 degrees at x = 0; sharpest 1 / d over d / 2 is 29 degrees."""
+    mesh = shapes.square(faces=faces)
+    x, y, _ = mesh.vertices.T
+    value = y + np.tan(np.radians(half)) * np.abs(x)
+    tail, head = mesh.edges.T
+    bent = isolines(gw.CircleFunction(mesh, value, value[head] - value[tail]), [0.1])
+    assert len(bent) == 1
+    spacing = 0.4
+    found, _ = _cut(bent, Cutting().sharpest / spacing, Cutting().window * spacing, 0.2)
+    assert len(found) == pieces
+    assert found.lengths.sum() == pytest.approx(bent.lengths.sum(), abs=0.5 * spacing)
 
 
 def lines(*ends: tuple[float, float, float, float], mesh: TriMesh | None = None) -> Curves:
