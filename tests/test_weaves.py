@@ -7,9 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import shapes, viz
+from geoweave import models, shapes, viz
 from geoweave.errors import RenderError
+from geoweave.mesh import TriMesh
 from geoweave.viz import weaves
+from geoweave.viz.weaves import facing
 from geoweave.weave import Weave, weave_pattern
 
 
@@ -90,3 +92,11 @@ def test_a_close_up_shows_what_it_is_asked_to() -> None:
     assert near.shape == (300, 300, 3)
     # the ground is seen round the whole torus, hardly in the close-up
     assert (near == 255).all(axis=2).mean() < 0.5 * (whole == 255).all(axis=2).mean()
+
+
+def test_a_surface_turned_inside_out_lies_behind_its_ribbons() -> None:
+    sphere, saddle = shapes.sphere(320), shapes.saddle(faces=400)
+    assert facing(sphere) == 1
+    assert facing(TriMesh(sphere.vertices, sphere.faces[:, ::-1])) == -1
+    assert facing(saddle) == facing(TriMesh(saddle.vertices, saddle.faces[:, ::-1])) == 1  # it has no inside
+    assert facing(models.load("schwarz-p")) == -1

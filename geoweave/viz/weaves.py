@@ -194,8 +194,9 @@ def weave_scene(
 ) -> Scene:
     """Build the scene of a weave on its surface, ribbons in the chosen colours or in those of `colouring`."""
     scene = Scene(VIEWS[view] if isinstance(view, str) else view)
-    # The surface a little below, so that what goes under is not lost in it.
-    depth = 1.3 * (weave.thickness if thickness is None else thickness)
+    # The surface a little behind, so that what goes under is not lost in it; where normals point inwards one
+    # looks at the ribbons from below.
+    depth = 1.3 * (weave.thickness if thickness is None else thickness) * facing(weave.mesh)
     sunk = weave.mesh.vertices - depth * weave.mesh.vertex_normals
     scene.add_surface(TriMesh(sunk, weave.mesh.faces), colour=style.SURFACE)
     chosen = colouring(weave) if chosen is None else chosen
@@ -204,6 +205,15 @@ def weave_scene(
         if len(made.quads):
             scene.add_solid(made.points, made.quads, style.FAMILIES[hue % len(style.FAMILIES)])
     return scene
+
+
+def facing(mesh: TriMesh) -> float:
+    """Whether normals point out, 1, as they do unless most of the area faces the middle, or in, -1."""
+    weights = mesh.face_areas
+    middle = np.average(mesh.barycenters, axis=0, weights=weights)
+    away = mesh.barycenters - middle
+    out = float(weights @ (away * mesh.face_normals).sum(axis=1))
+    return -1.0 if out < -0.2 * float(weights @ np.linalg.norm(away, axis=1)) else 1.0
 
 
 def weave_gallery(
