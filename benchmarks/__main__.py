@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import scans
+from benchmarks import rods, scans
 
 SMALLEST = 5
 
@@ -122,6 +122,8 @@ def main() -> None:
     largest = parser.parse_args().largest
     results = {"growth": growth(largest), "kkt": against_kkt(), "foliations": foliations()}
     results["covers"] = covers()
+    print()
+    results["rods"] = rods.table([])
     path = Path("build/bench/results.json")
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
