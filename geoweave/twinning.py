@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @as_json
 def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
     """Put a pattern.json together in simulation, and say whether the woven object comes back."""
-    from geoweave.outputs import write_texts
+    from geoweave.outputs import earlier_report, listed_files, text_jobs, write_reported, write_texts
     from geoweave.weavefiles import read_weave
 
     path = Path(source)
@@ -56,22 +56,31 @@ def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
             if next(iter(other.values())).ribbons.rms < next(iter(found.values())).ribbons.rms:
                 made, found = image, other
         target = next(iter(found.values()), None)
+        said = {
+            **made.metrics(),
+            "woven": found["woven"].document() if "woven" in found else None,
+            "designed": found["designed"].document() if "designed" in found else None,
+            "comes_back": None if target is None else target.comes_back,
+        }
         with timed(seconds, "write"):
             document = made.document(target)
-            document["metrics"]["twin"] |= {what: each.document() for what, each in found.items()}
-            text = json.dumps(document, allow_nan=False) + "\n"
-            files = write_texts({"twin.json": text}, folder)
+            document["metrics"]["twin"] = said
+            texts = {"twin.json": json.dumps(document, allow_nan=False) + "\n"}
+            listed = listed_files(folder)
+            if "pattern.json" in listed and folder.samefile(path.parent):
+                # The report says so too, and lists the twin, so that the next weave takes it away.
+                report = earlier_report(folder) | {"twin": said}
+                files = write_reported(text_jobs(texts), report, folder, kept=listed)
+            else:
+                files = write_texts(texts, folder)
     seconds["total"] = sum(seconds.values())
     genus = beside["designed"]["surface"]["genus"] if "designed" in beside else None
     result = {
         "pattern": str(path),
         "ribbons": len(pattern.strips),
         "crossings": len(pattern.ribbons),
-        **made.metrics(),
+        **said,
         "genus_designed": genus,
-        "woven": found["woven"].document() if "woven" in found else None,
-        "designed": found["designed"].document() if "designed" in found else None,
-        "comes_back": None if target is None else target.comes_back,
         "seconds": {key: round(value, 4) for key, value in seconds.items()},
         "files": [str(each) for each in files.values()],
     }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from hashlib import sha256
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,22 @@ def test_a_pattern_alone_is_rebuilt(folder: Path, tmp_path: Path, capfd: pytest.
     assert result["energy"] == json.loads(capfd.readouterr().out)["energy"]
     assert cli.main(["twin", str(alone), "-o", str(tmp_path / "out")]) == 0
     assert "no relaxed.json or weave.json is beside the pattern" in capfd.readouterr().out
+
+
+def test_the_report_beside_the_pattern_lists_the_twin(
+    folder: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    names = ("pattern.json", "weave.json", "relaxed.json")
+    digests = {name: sha256((folder / name).read_bytes()).hexdigest() for name in names}
+    (folder / "report.json").write_text(json.dumps({"format": "geoweave-report", "files": digests}))
+    assert cli.main(["twin", str(folder), "--json"]) == 0
+    result = json.loads(capfd.readouterr().out)
+    report = json.loads((folder / "report.json").read_text())
+    twin = sha256((folder / "twin.json").read_bytes()).hexdigest()
+    assert report["files"] == digests | {"twin.json": twin}
+    assert report["format"] == "geoweave-report"
+    assert report["twin"]["woven"] == result["woven"]
+    assert all((folder / name).is_file() for name in names)
 
 
 def test_a_pattern_that_contradicts_itself(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
