@@ -5,6 +5,7 @@ What dies with its process, for want of memory or by a fault in compiled code, t
 
 from __future__ import annotations
 
+import asyncio
 import os
 import time
 from collections.abc import Callable, Generator, Iterator, Sequence
@@ -137,15 +138,17 @@ def on_cluster(work: Callable[[Item], Any], items: Sequence[Item], address: str)
     check_dask(address)
     import distributed
 
+    # A client that fails to connect leaves a thread behind, which complains when the program ends.
     try:
-        client = distributed.Client(
-            address, timeout=CONNECTING, set_as_default=False, name=f"geoweave-{os.getpid()}"
-        )
-    except (OSError, ValueError, TypeError) as error:
+        asyncio.run(_asked(address))
+    except (OSError, ValueError, TypeError, RuntimeError) as error:
         raise PoolError(
             f"{address}: no Dask scheduler answers there ({_brief(error)}); start one with 'dask scheduler', "
             "or work on this machine with --jobs"
         ) from None
+    client = distributed.Client(
+        address, timeout=CONNECTING, set_as_default=False, name=f"geoweave-{os.getpid()}"
+    )
     with client, client.as_current():
         try:
             client.wait_for_workers(1, timeout=WORKERS)
@@ -171,6 +174,16 @@ def on_cluster(work: Callable[[Item], Any], items: Sequence[Item], address: str)
         except BaseException:
             client.cancel(futures, force=True)
             raise
+
+
+async def _asked(address: str) -> None:
+    """Shake hands with a scheduler."""
+    from distributed import Security
+    from distributed.comm import connect
+
+    arguments = Security().get_connection_args("client")
+    comm = await connect(address, timeout=CONNECTING, **arguments)
+    await comm.close()
 
 
 def _ended(index: int, future: Any) -> Ended:

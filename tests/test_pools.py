@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -62,9 +63,11 @@ def test_what_a_worker_raises_is_said(address: str) -> None:
 def test_clusters_that_are_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pools, "CONNECTING", 1.0)
     monkeypatch.setattr(pools, "WORKERS", 1.0)
+    before = threading.active_count()
     for wrong in ("tcp://127.0.0.1:9", "no-such-place", "nowhere://x"):
         with pytest.raises(PoolError, match="no Dask scheduler answers there"):
             list(on_cluster(doubled, [1], wrong))
+    assert threading.active_count() == before
     with cluster(tmp_path, workers=0) as empty, pytest.raises(PoolError, match="has no workers; start one"):
         list(on_cluster(doubled, [1], empty))
 
