@@ -56,6 +56,17 @@ def test_a_mirrored_start_comes_back_too(name: str) -> None:
     assert found.compared(mirrored).crossings.largest > 0.03
 
 
+def test_a_saddle_has_two_mirror_images_and_one_is_woven() -> None:
+    """Nothing in a pattern tells them apart: a saddle has no outside."""
+    images = [twin("saddle", mirrored=mirrored) for mirrored in (False, True)]
+    assert not any(found.side_known for found in images)
+    off = sorted(found.compared(woven("saddle").relaxed).crossings.largest for found in images)
+    assert off[0] < COMES_BACK
+    assert off[1] > 0.1
+    assert twin("cone").side_known
+    assert twin("torus").side_known
+
+
 def test_the_same_pattern_gives_the_same_twin() -> None:
     again = assembled(pattern("sphere"))
     assert np.array_equal(again.points, twin("sphere").points)

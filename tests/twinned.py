@@ -17,6 +17,7 @@ from geoweave.weave import weave_pattern
 SHAPES = {
     "cone": (lambda: shapes.cone(faces=1500), 12),
     "sphere": (lambda: shapes.sphere(600), 10),
+    "saddle": (lambda: shapes.saddle(faces=1500), 20),
     "torus": (lambda: shapes.torus(faces=1500), 12),
 }
 
