@@ -7,7 +7,7 @@ from rodded import any_rotation, bar, circle, ring, rods_of
 
 from geoweave.closest import closest_points, triangle_tree
 from geoweave.departure import fitted, held
-from geoweave.equilibrium import Stepping
+from geoweave.equilibrium import Stepping, minimized
 from geoweave.relaxation import Springs, relax, relaxing_terms, replaced_contacts, slide, vertex_masses
 from geoweave.ribbon_rods import rods_of_file
 from geoweave.rod_energies import edgewise_bending
@@ -202,6 +202,17 @@ def test_relaxing_commutes_with_rigid_motion():
     )
     one, two = relax(rods), relax(moved)
     np.testing.assert_allclose(two.rods.points, one.rods.points @ rotation.T + shift, atol=1e-4)
+
+
+def test_soft_contacts_at_first_change_neither_the_end_nor_the_energies_told():
+    rods = three_great_circles(24, tilt=0.01)
+    terms = relaxing_terms(rods)
+    found, direct = relax(rods), minimized(rods, terms)
+    assert found.converged
+    assert direct.converged
+    assert found.energies == pytest.approx(direct.energies, rel=1e-4, abs=1e-7)
+    assert found.steps[0].energies == pytest.approx({term.name: term.energy(rods) for term in terms})
+    assert [step.number for step in found.steps] == list(range(len(found.steps)))
 
 
 def test_it_says_when_it_does_not_converge():
