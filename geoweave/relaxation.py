@@ -51,7 +51,7 @@ class Springs:
                 raise RodError(f"the stiffness '{name}' is {value:g}; give a positive number")
 
 
-ROUNDS = 5
+ROUNDS = 3
 """Rounds of sliding, each of one minimisation and one projection."""
 
 SLID = 1e-3
