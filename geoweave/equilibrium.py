@@ -132,7 +132,7 @@ def minimized(
                     damping *= 30.0
                 else:
                     change = 0.1 if taken.share > 0.5 else 10.0 if taken.share < 0.25 else 1.0
-                    damping = max(change * damping, DAMPING[0])
+                    damping = min(max(change * damping, DAMPING[0]), DAMPING[2])
             if taken is None:
                 ending = "no step lowers the energy any further"
                 break

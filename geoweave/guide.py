@@ -11,7 +11,6 @@ import html
 import json
 from collections.abc import Mapping
 from importlib.resources import files
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from geoweave.assembly import Step, assembly
@@ -20,34 +19,19 @@ from geoweave.guide_data import drawings, shape
 from geoweave.guide_library import three_js
 from geoweave.inks import Colours
 from geoweave.marks import MARKS, outline
-from geoweave.output import replacing
 from geoweave.pattern import Pattern
 from geoweave.pieces import Making
 
 if TYPE_CHECKING:
     from geoweave.woven import Weave
 
-__all__ = ["guide_content", "guide_html", "write_guide"]
+__all__ = ["guide_content", "guide_html"]
 
 PARTS = ("guide.html", "guide.css", "guide_steps.js", "guide_strip.js", "guide_space.js", "guide.js")
 """What the page is put together from, in ``geoweave/data``."""
 
 SPOKEN = {"half": "half disc"}
 """Marks whose names say too little in a sentence."""
-
-
-def write_guide(
-    path: str | PathLike[str],
-    pattern: Pattern,
-    weave: Weave | Mapping[str, Any],
-    making: Making | None = None,
-    title: str = "weave",
-    colours: Colours | None = None,
-) -> None:
-    """Write ``guide.html``, whole or not at all."""
-    text = guide_html(pattern, weave, making, title, colours)
-    with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 def guide_html(

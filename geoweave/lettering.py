@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import frozen
 from geoweave.errors import FieldError
 
-__all__ = ["PEN", "Board", "Box", "boxes_overlap", "text_box", "text_strokes", "text_width"]
+__all__ = ["PEN", "Board", "Box", "boxes_overlap", "text_box", "text_strokes"]
 
 PEN = 0.11
 """Width of the pen in heights of a capital letter; boxes hold the pen."""
@@ -104,17 +104,6 @@ def boxes_overlap(one: Box, other: Box) -> bool:
         and one.bottom < other.top
         and other.bottom < one.top
     )
-
-
-def text_width(text: str, height: float) -> float:
-    """Width of a text without the pen, in the unit of the height of a capital letter.
-
-    Raises
-    ------
-    FieldError
-        If there is no such letter.
-    """
-    return float(_laid(text)[1]) * height
 
 
 def text_strokes(text: str, height: float, x: float, y: float) -> tuple[Strokes, Box]:

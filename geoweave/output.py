@@ -86,13 +86,15 @@ def written_together(
         # Every file is written under a temporary name before the first of them takes its place.
         with ExitStack() as stack:
             digests = {}
+            # Leaving the stack, what was entered first is renamed last: the index lists only what is there.
+            last = stack.enter_context(replacing(target / index[0])) if index is not None else None
             for name, job in jobs.items():
                 temporary = stack.enter_context(replacing(target / name))
                 job(temporary)
                 digests[name] = sha256_of(temporary) if index is not None else ""
-            if index is not None:
-                index[1](stack.enter_context(replacing(target / index[0])), digests)
-            _remove(target, {name: each for name, each in (stale or {}).items() if name not in jobs})
+            if index is not None and last is not None:
+                index[1](last, digests)
+        _remove(target, {name: each for name, each in (stale or {}).items() if name not in jobs})
     except BaseException:
         if new:
             with suppress(OSError):

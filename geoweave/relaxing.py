@@ -59,7 +59,9 @@ def relax(file: str, output: str, as_json: bool) -> None:
                 name, text = "relaxed.json", json.dumps(rested, allow_nan=False) + "\n"
             # Beside its own weave: the design and what the report says of it stay, what was cut to another
             # shape at rest does not.
-            said = (earlier_report(folder) if own else {}) | {"file": Path(file).name, "relax": result}
+            before = earlier_report(folder) if own else {}
+            before.pop("twin", None)  # of the pattern that goes
+            said = before | {"file": Path(file).name, "relax": result}
             files = write_reported(text_jobs({name: text}), said, folder, kept=DESIGN if own else ())
     seconds["total"] = sum(seconds.values())
     if as_json:

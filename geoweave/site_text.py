@@ -56,6 +56,8 @@ def equation(tex: str, display: bool = False) -> str:
         found = convert(tex.strip(), display="block" if display else "inline")
     except Exception as error:  # the converter has many kinds, some of them without a common base
         raise NotebookError(f"the equation ${tex}$ cannot be set ({error!r}); write it anew") from error
+    if re.search(r"\\\\[a-zA-Z]", tex) and r"\begin" not in tex:
+        raise NotebookError(f"the equation ${tex}$ has a doubled backslash, which ends a line; write one")
     bare = re.sub(r"\\.", "", tex)
     found = found.replace(' xmlns="http://www.w3.org/1998/Math/MathML"', "")
     whole = all(len(part) == PARTS.get(part.tag, len(part)) for part in ElementTree.fromstring(found).iter())

@@ -297,7 +297,7 @@ def source_digest() -> str:
     """Digest of the package's source, so that another state of a checkout is another version."""
     package = Path(__file__).resolve().parent
     total = hashlib.sha256()
-    for path in sorted(package.glob("*.py")):
+    for path in sorted([*package.glob("*.py"), *package.glob("data/*")]):  # pictures are none of its business
         total.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()
 
@@ -353,8 +353,9 @@ def _told(result: Mapping[str, Any], job: Job, target: Path, files: Iterable[str
 def _drop_leftovers(folder: Path) -> None:
     """Remove the folders to work in that a killed sweep left behind more than a day ago."""
     for path in folder.glob(f"{LEFTOVER}*"):
-        if time.time() - path.stat().st_mtime > 86_400:
-            shutil.rmtree(path, ignore_errors=True)
+        with suppress(OSError):  # another sweep may have removed its own by now
+            if time.time() - path.stat().st_mtime > 86_400:
+                shutil.rmtree(path, ignore_errors=True)
 
 
 COLUMNS: dict[str, Callable[[Mapping[str, Any]], Any]] = {

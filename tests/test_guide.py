@@ -16,7 +16,7 @@ from browser import PHONE, browser, opened
 from geoweave.assembly import assembly
 from geoweave.errors import FieldError
 from geoweave.fabrication import write
-from geoweave.guide import guide_html, write_guide
+from geoweave.guide import guide_html
 from geoweave.output import OutputError
 from geoweave.pattern import pattern_of
 from tests.laidflat import bow_tie, circles, cone, document, flat, patterns
@@ -83,7 +83,7 @@ def test_the_page_is_the_same_each_time_and_knows_its_pattern() -> None:
 def test_a_title_cannot_end_its_element(chromium: Any, tmp_path: Path) -> None:
     bad = '</script><script>document.title="taken"</script>'
     place = tmp_path / "guide.html"
-    write_guide(place, patterns()["flat"], flat(), title=bad)
+    place.write_text(guide_html(patterns()["flat"], flat(), title=bad), encoding="utf-8")
     with opened(chromium, place) as it:
         assert it.page.inner_text("#title") == bad
         assert it.page.title() == f"{bad}: how to weave it"

@@ -2,6 +2,7 @@ import hashlib
 import os
 import stat
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -84,6 +85,21 @@ def test_an_error_about_another_file_is_left_alone(tmp_path):
     with pytest.raises(FileNotFoundError), replacing(tmp_path / "out.npz"):
         (tmp_path / "input.txt").read_text()
     assert contents(tmp_path) == {}
+
+
+def test_what_lists_the_files_is_renamed_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    renamed = []
+    replace = os.replace
+
+    def recorded(source: Any, target: Any) -> None:
+        renamed.append(Path(target).name)
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", recorded)
+    jobs = {name: (lambda path: path.write_text("x")) for name in ("a", "b")}
+    written_together(jobs, tmp_path, index=("list", lambda path, digests: path.write_text("a b")))
+    assert sorted(renamed) == ["a", "b", "list"]
+    assert renamed[-1] == "list"
 
 
 def test_files_of_an_earlier_run_go_unless_they_were_changed(tmp_path: Path) -> None:

@@ -52,6 +52,8 @@ def test_beside_its_design_what_was_cut_to_another_shape_goes(
 
     write_weave(weave(), tmp_path, ["rod"], more={"pattern.svg": cut})
     before = json.loads((tmp_path / "report.json").read_text())
+    # what `geoweave twin` found of the pattern that is going
+    (tmp_path / "report.json").write_text(json.dumps(before | {"twin": {"comes_back": True}}))
     design = {name: (tmp_path / name).read_bytes() for name in ("weave.json", "weave.rod")}
     assert cli.main(["relax", str(tmp_path / "weave.json"), "-o", str(tmp_path), "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
@@ -64,6 +66,7 @@ def test_beside_its_design_what_was_cut_to_another_shape_goes(
     assert {name: (tmp_path / name).read_bytes() for name in design} == design
     after = json.loads((tmp_path / "report.json").read_text())
     assert after["places"] == before["places"]
+    assert "twin" not in after
     assert after["relax"]["energy_after"] == result["energy_after"]
     assert set(after["files"]) == {"weave.json", "weave.rod", "relaxed.json"}
     # a weave that is not the one that lies there

@@ -61,7 +61,7 @@ def test_an_equation_says_what_it_says() -> None:
     assert "mpadded" not in equation(r"w^\perp")
 
 
-@pytest.mark.parametrize("bad", [r"\frac{1}", r"\nonsense x", r"{a", r"\begin{cases} a"])
+@pytest.mark.parametrize("bad", [r"\frac{1}", r"\nonsense x", r"{a", r"\begin{cases} a", r"1/\\sqrt3"])
 def test_an_equation_that_is_not_understood_is_named(bad: str) -> None:
     with pytest.raises(NotebookError, match=re.escape(f"the equation ${bad}$")):
         text_html(f"Here: ${bad}$")

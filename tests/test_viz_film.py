@@ -1,4 +1,4 @@
-"""Films: frames of one size and palette, there and back, as an animated PNG."""
+"""Films: frames of one size and palette as an animated PNG."""
 
 from __future__ import annotations
 
@@ -23,20 +23,20 @@ def scene(stretch: float) -> viz.Scene:
     return found
 
 
-def test_a_film_goes_there_and_back() -> None:
+def test_a_film_shows_its_frames_in_turn() -> None:
     film = viz.Film([scene(1 + 0.1 * k) for k in range(3)], "dots that move", height=90)
     data = film.apng()
     image = Image.open(io.BytesIO(data))
-    assert image.n_frames == 4
+    assert image.n_frames == 3
     assert image.height == 90
     shown = []
-    for k in range(4):
+    for k in range(3):
         image.seek(k)
         shown.append(np.array(image.convert("RGB")))
         assert image.info["duration"] == (film.rest if k in (0, 2) else film.step)
         assert (shown[k][0, 0] == 255).all(), "the ground is white"
     assert (shown[0] != shown[1]).any()
-    np.testing.assert_array_equal(shown[1], shown[3])
+    assert (shown[1] != shown[2]).any()
     assert film.apng() == data
     assert set(film._repr_mimebundle_()) == {"image/png", "text/plain"}
 

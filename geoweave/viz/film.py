@@ -17,16 +17,16 @@ from geoweave.rods import Rods
 from geoweave.viz.rods import Sprung
 from geoweave.viz.scene import Pixels, Scene, View
 
-LARGEST = 900_000
+LARGEST = 300_000
 """Bytes that a film may take within a notebook."""
 
-COLOURS = 64
+COLOURS = 48
 """Colours of all frames together: enough for shaded ribbons, and small."""
 
 
 @dataclass(frozen=True, eq=False)
 class Film:
-    """Scenes one after the other, there and back again without an end.
+    """Scenes one after the other, again and again.
 
     In a notebook it displays itself as an animated PNG (APNG). Elsewhere its first frame stands still.
 
@@ -35,12 +35,12 @@ class Film:
     scenes : the frames; each is drawn as large as the first, so that nothing jumps
     alt : one sentence that says what is to be seen
     height : of a frame, pixels
-    step, rest : how long a frame is shown, and the last one, milliseconds
+    step, rest : how long a frame is shown, and the first and the last one, milliseconds
     """
 
     scenes: Sequence[Scene]
     alt: str
-    height: int = 420
+    height: int = 320
     step: int = 160
     rest: int = 1200
 
@@ -58,7 +58,7 @@ class Film:
         return [scene.draw(self.height, width=width) for scene in self.scenes]
 
     def apng(self) -> bytes:
-        """Encode the frames, there and back, with one palette; no date, no path.
+        """Encode the frames with one palette; no date, no path.
 
         Raises
         ------
@@ -79,10 +79,9 @@ class Film:
             image = Image.fromarray(index)
             image.putpalette(colours)
             images.append(image)
-        order = [*range(len(images)), *range(len(images) - 2, 0, -1)]
-        times = [self.rest if k in (0, len(images) - 1) else self.step for k in order]
+        times = [self.rest if k in (0, len(images) - 1) else self.step for k in range(len(images))]
         buffer = io.BytesIO()
-        first, *others = (images[k] for k in order)
+        first, *others = images
         first.save(
             buffer, format="PNG", save_all=True, append_images=others, duration=times, loop=0, optimize=True
         )
@@ -102,7 +101,7 @@ def relaxing(
     view: View | str,
     hues: Indices | None = None,
     *,
-    frames: int = 12,
+    frames: int = 8,
     times: float = 2.0,
     alt: str = "",
 ) -> Film:
