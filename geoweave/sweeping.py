@@ -56,7 +56,7 @@ def sweep(
         check_dask(dask)
     start = time.perf_counter()
     with _terminated(), status() as say:
-        say(f"weaving {len(surfaces)} meshes")
+        say(f"weaving {_meshes(len(surfaces))}")
         rows = engine.sweep(surfaces, asked, folder, jobs=jobs or 1, dask=dask, callback=_lines())
     counts = {state: sum(row.state == state for row in rows) for state in ("done", "kept", "failed")}
     for row in rows:
@@ -76,7 +76,7 @@ def sweep(
     else:
         told = [(row.folder, row.sentence()) for row in rows]
         ended = ", ".join(f"{count} {state}" for state, count in counts.items() if count)
-        print_table(f"{len(rows)} meshes: {ended}", [*told, ("written to", ", ".join(tables))])
+        print_table(f"{_meshes(len(rows))}: {ended}", [*told, ("written to", ", ".join(tables))])
     sys.stdout.flush()
     raise click.exceptions.Exit(1 if counts["failed"] else 0)
 
@@ -110,3 +110,7 @@ def _lines() -> Callable[[Row, int], None] | None:
 def _as_dict(row: Row) -> dict[str, Any]:
     found = {"mesh": row.mesh, "folder": row.folder, "state": row.state}
     return found | ({"problem": row.problem} if row.result is None else {"result": dict(row.result)})
+
+
+def _meshes(number: int) -> str:
+    return "1 mesh" if number == 1 else f"{number} meshes"
