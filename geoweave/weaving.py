@@ -150,6 +150,7 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
     from geoweave.pattern import pattern_of
     from geoweave.prepare import evened
     from geoweave.relaxed import relaxed_weave
+    from geoweave.twin_surface import surface_of
     from geoweave.weave import weave_pattern
 
     cut, wanted = formats_of(asked.formats)
@@ -176,9 +177,15 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
             rest = relaxed_weave(pattern, callback=lambda stage, step: say(_progress(stage, step)))
             seconds |= rest.seconds
         with timed(seconds, "write"):
-            # A pattern is cut to the lengths at rest; it is laid out before anything is written.
+            # A pattern is cut to the lengths at rest, as long as its crossings still follow each other as the
+            # surface has them; it is laid out before anything is written.
             lies = rest.document() if cut and rest is not None else None
             strips = pattern_of(lies or pattern) if cut else None
+            slipped = 0
+            if strips is not None and lies is not None:
+                slipped = sum(slip.plain for slip in surface_of(strips).slips)
+                if slipped:  # nobody could put these strips together
+                    strips, lies = pattern_of(pattern), None
             without: dict[str, str] = {}
             more: dict[str, Job] = {}
             if strips is not None:
@@ -209,6 +216,8 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
         "suggested_width": report.suggested_width,
         "places": report.counts,
         "relax": None if rest is None else rest.metrics(),
+        "strips_of": None if strips is None else "weave.json" if lies is None else "relaxed.json",
+        "slipped": slipped,
         "violations": len(report.violations),
         "seconds": {key: round(value, 4) for key, value in seconds.items()},
         "repairs": prepared.report.as_dict(),
@@ -270,6 +279,11 @@ def _rows(
         ("loose ends", text_of(result["loose_ends"])),
     ]
     rows += _rest(result["relax"], unit)
+    if result["slipped"]:
+        near = f"near {_places(result['slipped'])} ribbons slid past each other"
+        rows.append(
+            ("  strips", f"as designed, not as at rest: {near}, and the strips would not go together")
+        )
     rows += [("broken rule", text) for text in report.violations]
     rows += [("hard places", "none") if not report.places else ("hard places", "")]
     rows += [(f"  {kind.replace('_', ' ')}", _worst(kind, report)) for kind, n in report.counts.items() if n]
@@ -279,6 +293,10 @@ def _rows(
         ("written to", ", ".join(result["files"])),
     ]
     return rows
+
+
+def _places(number: int) -> str:
+    return "one crossing" if number == 1 else f"{number} crossings"
 
 
 def _alternation(turns: dict[str, Any]) -> str:

@@ -9,6 +9,8 @@ from meshfiles import sphere, write
 
 from geoweave import cli, shapes, weaving
 from geoweave.inspection import KINDS, Inspection, Place, inspected
+from geoweave.pattern import Pattern
+from geoweave.twin_surface import surface_of
 from geoweave.weave import weave_pattern
 
 
@@ -54,3 +56,20 @@ def test_a_surface_of_few_triangles_is_remeshed_first(tmp_path, capfd: pytest.Ca
     assert abs(result["faces"] - 4000) <= 2
     assert result["ribbons"] > 50
     assert (result["violations"], result["loose_ends"]) == (0, 0)
+
+
+@pytest.mark.parametrize(("scale", "whole"), [("0.7", False), ("1", True)])
+def test_strips_that_would_not_go_together_are_cut_as_designed(
+    tmp_path, capfd: pytest.CaptureFixture[str], scale: str, whole: bool
+) -> None:
+    """At the first scale ribbons slide past each other near a crossing, at the second nowhere."""
+    command = ["weave", "spot", "--faces", "1500", "--scale", scale, "--size", "300", "-o", str(tmp_path)]
+    assert cli.main([*command, "--formats", "pattern", "--json"]) == 0
+    result = json.loads(capfd.readouterr().out)
+    assert result["strips_of"] == ("relaxed.json" if whole else "weave.json")
+    assert (result["slipped"] == 0) == whole
+    pattern = Pattern.from_document(json.loads((tmp_path / "pattern.json").read_text()))
+    assert not [slip for slip in surface_of(pattern).slips if slip.plain]
+    lengths = [each["length"] for each in json.loads((tmp_path / result["strips_of"]).read_text())["ribbons"]]
+    assert [strip.length for strip in pattern.strips] == pytest.approx(lengths, abs=1e-3)
+    assert cli.main(["twin", str(tmp_path), "--json"]) == 0
