@@ -14,16 +14,16 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
-from geoweave import interlacing
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.closest import BoxTree, nearest, segment_tree
 from geoweave.compiled import compiled
 from geoweave.curves import Curves
 from geoweave.errors import FieldError
+from geoweave.fitting import Neighbours
 from geoweave.validity import violations
 from geoweave.woven import Weave
 
-__all__ = ["FORMAT", "KINDS", "VERSION", "Inspection", "Limits", "Place", "inspected", "widths_that_fit"]
+__all__ = ["FORMAT", "KINDS", "VERSION", "Inspection", "Limits", "Place", "inspected"]
 
 FORMAT, VERSION = "geoweave-report", 1
 """What the first lines of ``report.json`` say."""
@@ -33,6 +33,7 @@ KINDS = {
     "alongside": "ribbons that run side by side and overlap; value: the length of the stretch",
     "lap": "ends that lie on each other, one ribbon going on where the other stops; value: the length",
     "crowded": "crossings next to each other that overlap; value: the width that would fit between them",
+    "knot": "short ribbons that hold mostly each other; value: how many of them",
     "gap": "holes; value: how far their middle is from the nearest ribbon",
     "loose_end": "ends that nothing holds; value: the length beyond the last crossing",
     "bare_component": "pieces of the surface without any ribbon; value: the area",
@@ -46,6 +47,10 @@ STEP = 0.05
 """Least distance between the samples of ribbons that run alongside each other, in spacings."""
 
 
+HEAP = 3
+"""Short ribbons that make a knot."""
+
+
 @dataclass(frozen=True)
 class Limits:
     """From where on a place is reported.
@@ -55,6 +60,7 @@ class Limits:
     angle : degrees; ribbons that meet or run alongside each other at less are near parallel
     gap : spacings; a place of the surface farther than this from any ribbon is a hole. In a flat triaxial
         weave no place is farther than 0.5
+    short : spacings; three open ribbons or more, no longer than this, that cross each other are a knot
     fitting : share of the neighbouring crossings that fit side by side at the suggested width. Three families
         often cross nearly in one point, and then three ribbons lie on each other: at the width in RibbonSim's
         file of the torus that the authors made half of the neighbouring crossings fit, on their cone all
@@ -68,12 +74,14 @@ class Limits:
     angle: float = 20.0
     gap: float = 1.0
     fitting: float = 0.5
+    short: float = 6.0
 
     def __post_init__(self) -> None:
         for name, value, most in (
             ("angle", self.angle, 90),
             ("gap", self.gap, np.inf),
             ("fitting", self.fitting, 1),
+            ("short", self.short, np.inf),
         ):
             if not 0 < value <= most or value == np.inf:
                 raise FieldError(f"the limit '{name}' of an inspection is out of range: {value}")
@@ -144,6 +152,7 @@ class Inspection:
             "limits": {
                 "angle_deg": self.limits.angle,
                 "gap": self.limits.gap * spacing,
+                "short": self.limits.short * spacing,
                 "fitting": self.limits.fitting,
             },
             "violations": list(self.violations),
@@ -169,7 +178,7 @@ def inspected(weave: Weave, limits: Limits | None = None) -> Inspection:
     """
     asked = limits or Limits()
     unit = weave.placement.scale
-    pairs = _Neighbours(weave)
+    pairs = Neighbours(weave)
     widths = [(share, pairs.fitting(share) * unit) for share in SHARES] if len(pairs.widths) else []
     suggested = pairs.fitting(asked.fitting) * unit if widths else None
     fits = float((pairs.widths >= weave.width).mean()) if widths else 1.0
@@ -177,54 +186,13 @@ def inspected(weave: Weave, limits: Limits | None = None) -> Inspection:
         *_near_parallel(weave, asked.angle),
         *_alongside(weave, asked.angle),
         *_crowded(weave, pairs, asked.angle),
+        *_knots(weave, asked.short),
         *_gaps(weave, asked.gap),
         *_loose_ends(weave),
         *_bare_components(weave),
     ]
     broken = tuple(violations(weave.ribbons, weave.interlacing.over))
     return Inspection(weave, asked, suggested, tuple(widths), fits, tuple(found), broken)
-
-
-def widths_that_fit(distance: Scalars, first: Scalars, second: Scalars) -> Scalars:
-    """Width up to which two ribbons that cross a third one, straight, do not overlap on it.
-
-    A strip of width W that crosses at the angle a covers ``y cot a +- W / (2 sin a)`` at the height y of the
-    one it crosses, ``|y| <= W/2``. Two of them at a distance x keep clear of each other up to
-
-        W = 2 x / (1 / sin a + 1 / sin b + |cot a - cot b|).
-
-    Parameters
-    ----------
-    distance : (n,) between the crossings along the third ribbon, a length
-    first, second : (n,) angles from the third ribbon to the two, radians, modulo a half turn
-    """
-    one, two = (np.maximum(np.abs(np.sin(angle)), 1e-12) for angle in (first, second))
-    lean = np.cos(first) * np.sign(np.sin(first)) / one - np.cos(second) * np.sign(np.sin(second)) / two
-    return np.asarray(2.0 * distance / (1.0 / one + 1.0 / two + np.abs(lean)))
-
-
-class _Neighbours:
-    """Pairs of crossings that follow each other on a ribbon."""
-
-    def __init__(self, weave: Weave) -> None:
-        met, curves = weave.ribbons.crossings, weave.ribbons.curves
-        passing = interlacing.Crossings(met.curves, met.arclength, curves.closed)
-        here = passing.passages[passing.following[passing.passages] >= 0]
-        there = passing.following[here]
-        self.ribbon = met.curves.ravel()[here]
-        self.first, self.second = here // 2, there // 2
-        self.others = np.stack([met.curves.ravel()[here ^ 1], met.curves.ravel()[there ^ 1]], axis=1)
-        at = met.arclength.ravel()
-        apart = at[there] - at[here]
-        # Round a closed ribbon the first crossing follows the last.
-        apart = np.where(apart <= 0, apart + curves.lengths[self.ribbon], apart)
-        turned = np.stack([met.angle, -met.angle], axis=1).ravel()
-        self.widths = widths_that_fit(apart, turned[here], turned[there])
-        self.triangles = passing.triples
-
-    def fitting(self, share: float) -> float:
-        """Return the largest width at which this share of the pairs fits."""
-        return float(np.quantile(self.widths, 1.0 - share, method="lower"))
 
 
 def _places(
@@ -251,7 +219,7 @@ def _near_parallel(weave: Weave, limit: float) -> list[Place]:
     return _places(weave, "near_parallel", met.points[small], owners, angle[small], True)
 
 
-def _crowded(weave: Weave, pairs: _Neighbours, limit: float) -> list[Place]:
+def _crowded(weave: Weave, pairs: Neighbours, limit: float) -> list[Place]:
     """Neighbouring crossings that overlap at the width, but for those that are near parallel anyway."""
     angle, met = weave.crossing_angles, weave.ribbons.crossings
     steep = (angle[pairs.first] >= limit) & (angle[pairs.second] >= limit)
@@ -268,6 +236,24 @@ def _crowded(weave: Weave, pairs: _Neighbours, limit: float) -> list[Place]:
     ribbons = [tuple(dict.fromkeys(three)) for three in owners]
     values = pairs.widths[chosen] * weave.placement.scale
     return _places(weave, "crowded", middle, ribbons, values, True)
+
+
+def _knots(weave: Weave, limit: float) -> list[Place]:
+    """Heaps of three or more short ribbons that cross each other, at the crossing nearest to the middle."""
+    curves, met = weave.ribbons.curves, weave.ribbons.crossings
+    short = ~curves.closed & (curves.lengths <= limit * weave.ribbons.spacing)
+    inner = np.flatnonzero(short[met.curves].all(axis=1) & (met.curves[:, 0] != met.curves[:, 1]))
+    pairs, count = met.curves[inner], len(curves)
+    links = sparse.csr_array((np.ones(len(inner)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, heap = csgraph.connected_components(links, directed=False)
+    size = np.bincount(heap[short], minlength=heap.max() + 1)
+    large = np.flatnonzero(size >= HEAP)
+    points, owners = np.zeros((len(large), 3)), []
+    for k, which in enumerate(large.tolist()):
+        places = met.points[inner[heap[pairs[:, 0]] == which]]
+        points[k] = places[np.linalg.norm(places - places.mean(axis=0), axis=1).argmin()]
+        owners.append(tuple(np.flatnonzero(short & (heap == which)).tolist()))
+    return _places(weave, "knot", points, owners, size[large].astype(np.float64), False)
 
 
 def _loose_ends(weave: Weave) -> list[Place]:

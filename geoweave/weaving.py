@@ -340,6 +340,7 @@ def _worst(kind: str, report: Inspection) -> str:
         "alongside": "stretches where ribbons lie on each other side by side",
         "lap": "pairs of ends that lie on each other, one going on where the other stops",
         "crowded": "places where crossings overlap",
+        "knot": f"knots of ribbons shorter than {report.limits.short:g} spacings",
         "gap": f"holes with more than {report.limits.gap:g} spacings to any ribbon",
         "loose_end": "loose ends",
         "bare_component": "pieces of the surface without a ribbon",

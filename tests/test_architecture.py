@@ -77,7 +77,7 @@ LAYERS = (
             "rods",
         },
     ),
-    ("the pipeline", {"inspection", "outputs", "relaxed", "weave", "weavefiles", "woven"}),
+    ("the pipeline", {"fitting", "inspection", "outputs", "relaxed", "weave", "weavefiles", "woven"}),
     (
         "fabrication",
         {

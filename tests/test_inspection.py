@@ -10,7 +10,7 @@ import pytest
 
 from geoweave import shapes
 from geoweave.errors import FieldError
-from geoweave.inspection import KINDS, Inspection, Limits, Place, inspected, widths_that_fit
+from geoweave.inspection import KINDS, Inspection, Limits, Place, inspected
 from geoweave.mesh import Similarity, TriMesh
 from geoweave.ribbons import Cutting, Ribbons
 from geoweave.straightest import crossings, straightest
@@ -101,22 +101,6 @@ def test_where_three_ribbons_cross_in_a_point_each_triangle_is_one_place() -> No
     assert not of_kind(smaller, "crowded")
 
 
-def test_the_width_that_fits_is_where_strips_begin_to_overlap() -> None:
-    rng = np.random.default_rng(0)
-    x, a, b = rng.uniform(0.5, 2, 50), *rng.uniform(0.2, np.pi - 0.2, (2, 50))
-    width = widths_that_fit(x, a, b)
-    for factor, apart in ((0.999, True), (1.001, False)):
-        w = factor * width
-        clear = np.ones(50, dtype=bool)
-        for y in (-w / 2, w / 2):
-            right_of_first = y / np.tan(a) + w / (2 * np.sin(a))
-            left_of_second = x + y / np.tan(b) - w / (2 * np.sin(b))
-            clear &= right_of_first <= left_of_second
-        assert clear.all() if apart else not clear.any()
-    np.testing.assert_allclose(widths_that_fit(x, a - np.pi, b), width, rtol=1e-9)
-    np.testing.assert_allclose(widths_that_fit(x, a, a), x * np.sin(a), rtol=1e-9)
-
-
 def test_a_small_angle_is_told_once_with_its_place_in_the_unit_of_the_output() -> None:
     found = inspected(laid([(0, 0.013, 0.02), (5, 0.013, 0.02), (90, 0.4, 0.1), (90, -0.4, 0.1)], unit=100.0))
     (place,) = of_kind(found, "near_parallel")
@@ -181,6 +165,16 @@ def test_both_sides_of_a_thin_wall_do_not_see_each_other() -> None:
     assert not of_kind(found, "alongside")
     # without a ribbon of its own the far side of a hole would be covered by the other plate's ribbons
     assert len(of_kind(found, "gap")) == 2 * len(of_kind(inspected(given), "gap")) > 0
+
+
+def test_short_ribbons_that_cross_each_other_are_a_knot() -> None:
+    middle = [(0.0, 0.1, 0.5), (60.0, 0.1, 0.5), (120.0, 0.15, 0.45)]
+    found = inspected(laid([*middle, (0.0, -0.5, -0.5), (90.0, -0.5, -0.5)], length=0.45))
+    (knot,) = [each for each in found.places if each.kind == "knot"]
+    assert knot.value == 3  # the two lines below cross each other too, but two are no knot
+    assert len(set(knot.ribbons)) == 3
+    assert np.linalg.norm(np.array(knot.point) - [0.12, 0.48, 0]) < 0.1
+    assert not inspected(laid(middle, length=0.65)).counts["knot"], "1.3 is more than six spacings"
 
 
 def test_a_hole_is_told_once_at_its_middle() -> None:

@@ -1,0 +1,53 @@
+"""Up to which width ribbons that cross next to each other lie side by side (footnote 5)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geoweave import interlacing
+from geoweave.arrays import Scalars
+from geoweave.woven import Weave
+
+__all__ = ["Neighbours", "widths_that_fit"]
+
+
+def widths_that_fit(distance: Scalars, first: Scalars, second: Scalars) -> Scalars:
+    """Width up to which two ribbons that cross a third one, straight, do not overlap on it.
+
+    A strip of width W that crosses at the angle a covers ``y cot a +- W / (2 sin a)`` at the height y of the
+    one it crosses, ``|y| <= W/2``. Two of them at a distance x keep clear of each other up to
+
+        W = 2 x / (1 / sin a + 1 / sin b + |cot a - cot b|).
+
+    Parameters
+    ----------
+    distance : (n,) between the crossings along the third ribbon, a length
+    first, second : (n,) angles from the third ribbon to the two, radians, modulo a half turn
+    """
+    one, two = (np.maximum(np.abs(np.sin(angle)), 1e-12) for angle in (first, second))
+    lean = np.cos(first) * np.sign(np.sin(first)) / one - np.cos(second) * np.sign(np.sin(second)) / two
+    return np.asarray(2.0 * distance / (1.0 / one + 1.0 / two + np.abs(lean)))
+
+
+class Neighbours:
+    """Pairs of crossings that follow each other on a ribbon."""
+
+    def __init__(self, weave: Weave) -> None:
+        met, curves = weave.ribbons.crossings, weave.ribbons.curves
+        passing = interlacing.Crossings(met.curves, met.arclength, curves.closed)
+        here = passing.passages[passing.following[passing.passages] >= 0]
+        there = passing.following[here]
+        self.ribbon = met.curves.ravel()[here]
+        self.first, self.second = here // 2, there // 2
+        self.others = np.stack([met.curves.ravel()[here ^ 1], met.curves.ravel()[there ^ 1]], axis=1)
+        at = met.arclength.ravel()
+        apart = at[there] - at[here]
+        # Round a closed ribbon the first crossing follows the last.
+        apart = np.where(apart <= 0, apart + curves.lengths[self.ribbon], apart)
+        turned = np.stack([met.angle, -met.angle], axis=1).ravel()
+        self.widths = widths_that_fit(apart, turned[here], turned[there])
+        self.triangles = passing.triples
+
+    def fitting(self, share: float) -> float:
+        """Return the largest width at which this share of the pairs fits."""
+        return float(np.quantile(self.widths, 1.0 - share, method="lower"))
