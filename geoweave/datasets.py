@@ -17,13 +17,14 @@ import pooch
 
 from geoweave.errors import DataError
 from geoweave.mesh import TriMesh
+from geoweave.places import PACKAGE
 
 VARIABLE = "GEOWEAVE_DATA_DIR"
 
 TIMEOUT = 30.0
 """Seconds without an answer after which a server counts as unreachable."""
 
-EMBEDDED = Path(__file__).resolve().parent / "data"
+EMBEDDED = PACKAGE / "data"
 
 _CGAL = "Debian package libcgal-demo 5.5.1-2, data.tar.gz, "
 _COMMON = "https://raw.githubusercontent.com/alecjacobson/common-3d-test-models/"

@@ -10,7 +10,6 @@ import hashlib
 import html
 import json
 from collections.abc import Mapping
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from geoweave.assembly import Step, assembly
@@ -21,6 +20,7 @@ from geoweave.inks import Colours
 from geoweave.marks import MARKS, outline
 from geoweave.pattern import Pattern
 from geoweave.pieces import Making
+from geoweave.places import PACKAGE
 
 if TYPE_CHECKING:
     from geoweave.woven import Weave
@@ -71,7 +71,7 @@ def guide_html(
         order or assembly(pattern),
     )
     library = three_js()
-    page, *rest = (files("geoweave").joinpath("data", name).read_text(encoding="utf-8") for name in PARTS)
+    page, *rest = ((PACKAGE / "data" / name).read_text(encoding="utf-8") for name in PARTS)
     style, scripts = rest[0], rest[1:]
     # "</" would end the element that holds it.
     data = json.dumps(content, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")

@@ -14,7 +14,10 @@ from geoweave.errors import GeoweaveError
 
 FIGURES_VARIABLE = "GEOWEAVE_FIGURES"
 
-__all__ = ["FIGURES_VARIABLE", "figures_folder", "package_version", "repository"]
+PACKAGE = Path(__file__).resolve().parent
+"""The folder of this package, with its data."""
+
+__all__ = ["FIGURES_VARIABLE", "PACKAGE", "figures_folder", "package_version", "repository"]
 
 
 def repository() -> Path:
@@ -26,9 +29,8 @@ def repository() -> Path:
         if neither the working directory nor the package lies inside a checkout of geoweave.
     """
     here = Path.cwd().resolve()
-    package = Path(__file__).resolve().parent
-    for folder in (here, *here.parents, package.parent):
-        if (folder / "pyproject.toml").is_file() and (folder / "geoweave" / "places.py").is_file():
+    for folder in (here, *here.parents, PACKAGE.parent):
+        if (folder / "pyproject.toml").is_file() and (folder / "geoweave" / "__init__.py").is_file():
             return folder
     raise GeoweaveError(
         f"{here} is not inside a checkout of geoweave: run the command there, or name the folder for "

@@ -32,10 +32,10 @@ from geoweave.places import repository
 from geoweave.progress import Progress
 
 UNRELATED = frozenset(
-    {"__main__.py", "claims.py", "cli.py", "progress.py", "probe.py"}
-    | {"site.py", "site.css", "site_font.py", "site_text.py"}
+    {"__main__.py", "claims.py", "cli.py", "progress.py", "viz/probe.py"}
+    | {"site.py", "data/site.css", "site_font.py", "site_text.py"}
 )
-"""Modules that no notebook imports: a change in them leaves every figure as it is."""
+"""Files and folders of the package that no notebook imports: a change in them leaves every figure as it is."""
 
 CLAIMS = ("<!-- claims: written by make report -->", "<!-- end of claims -->")
 """The lines of README.md between which the table of claims stands."""
@@ -100,8 +100,10 @@ def digest(root: Path, name: str, profile: str) -> str:
     total = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
     package = root / "geoweave"
     for path in sorted(package.rglob("*")):
-        if path.is_file() and "__pycache__" not in path.parts and path.name not in UNRELATED:
-            total.update(path.relative_to(package).as_posix().encode() + b"\0")
+        name = path.relative_to(package)
+        places = {name.as_posix(), *(folder.as_posix() for folder in name.parents)}
+        if path.is_file() and "__pycache__" not in name.parts and not places & UNRELATED:
+            total.update(name.as_posix().encode() + b"\0")
             total.update(hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()
 

@@ -16,7 +16,6 @@ import shutil
 import sys
 import tempfile
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -25,7 +24,7 @@ from PIL import Image
 from geoweave import claims, notebooks
 from geoweave.errors import GeoweaveError
 from geoweave.output import OutputError
-from geoweave.places import repository
+from geoweave.places import PACKAGE, repository
 from geoweave.site_font import NOTICE, characters, math_font
 from geoweave.site_text import code_html, code_style, plain, text_html
 
@@ -80,7 +79,7 @@ def build(root: Path, target: Path) -> list[Path]:
     with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as scratch:
         fresh = Path(scratch) / "site"
         (fresh / "images").mkdir(parents=True)
-        style = files("geoweave").joinpath("data", "site.css").read_text(encoding="utf-8")
+        style = (PACKAGE / "data" / "site.css").read_text(encoding="utf-8")
         _write(fresh / "site.css", f"/* {NOTICE} */\n{style}\n{code_style()}\n")
         (fresh / "math.woff").write_bytes(math_font(characters(page.body for page in pages)))
         for before, page, after in zip([None, *pages[:-1]], pages, [*pages[1:], None], strict=True):

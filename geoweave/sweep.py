@@ -27,7 +27,7 @@ from typing import Any
 from geoweave.errors import GeoweaveError
 from geoweave.output import OutputError, check_writable, sha256_of, written_together
 from geoweave.outputs import listed_files, text_jobs, write_texts
-from geoweave.places import package_version
+from geoweave.places import PACKAGE, package_version
 from geoweave.pools import on_cluster, on_this_machine
 from geoweave.terminal import Surface
 from geoweave.weaving import Asked, woven
@@ -35,6 +35,9 @@ from geoweave.weaving import Asked, woven
 __all__ = ["COLUMNS", "Job", "Row", "folder_names", "jobs_of", "sweep", "table_texts", "weave_one"]
 
 RECORD, TABLES = "sweep.json", ("table.csv", "table.md")
+UNRELATED = frozenset({"viz"})
+"""Sub-packages that change no weave."""
+
 LEFTOVER = ".weaving-"
 """How folders begin in which work is under way."""
 
@@ -294,11 +297,15 @@ def _content(place: str, name: str) -> str:
 
 @cache
 def source_digest() -> str:
-    """Digest of the package's source, so that another state of a checkout is another version."""
-    package = Path(__file__).resolve().parent
+    """Digest of the package's source, so that another state of a checkout is another version.
+
+    Every file of every sub-package counts, but the pictures, which no weave depends on.
+    """
     total = hashlib.sha256()
-    for path in sorted([*package.glob("*.py"), *package.glob("data/*")]):  # pictures are none of its business
-        total.update(path.name.encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
+    for path in sorted(PACKAGE.rglob("*")):
+        name = path.relative_to(PACKAGE)
+        if path.is_file() and "__pycache__" not in name.parts and name.parts[0] not in UNRELATED:
+            total.update(name.as_posix().encode() + b"\0" + hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()
 
 

@@ -214,7 +214,7 @@ def test_viz_knows_no_runner_and_no_command(path: Path) -> None:
 def test_fabrication_knows_a_weave_and_nothing_else(path: Path) -> None:
     layer = dict(LAYERS)["fabrication"]
     if path.stem in layer:
-        assert siblings(path) <= layer | {"arrays", "errors", "output", "woven"}
+        assert siblings(path) <= layer | {"arrays", "errors", "output", "places", "woven"}
 
 
 def test_matrices_know_no_mesh() -> None:

@@ -99,6 +99,11 @@ def test_the_digest_sees_what_matters_and_nothing_else(checkout: Path) -> None:
     nbformat.write(notebook, checkout / "notebooks" / "fig00.ipynb")
     (checkout / "geoweave" / "cli.py").write_text("# the command draws no figure\n")
     assert runner.digest(checkout, "fig00", "default") == base
+    (checkout / "geoweave" / "fields").mkdir(exist_ok=True)
+    (checkout / "geoweave" / "fields" / "cli.py").write_text("# a file of that name elsewhere counts\n")
+    assert runner.digest(checkout, "fig00", "default") != base
+    (checkout / "geoweave" / "fields" / "cli.py").unlink()
+    assert runner.digest(checkout, "fig00", "default") == base
     seen = {base, runner.digest(checkout, "fig00", "paper")}
     (checkout / "geoweave" / "new.py").write_text("x = 1\n")
     seen.add(runner.digest(checkout, "fig00", "default"))

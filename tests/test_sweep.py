@@ -39,6 +39,27 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+def test_the_digest_of_the_source_sees_every_sub_package(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def digest() -> str:
+        engine.source_digest.cache_clear()
+        return engine.source_digest()
+
+    with monkeypatch.context() as patched:
+        patched.setattr(engine, "PACKAGE", tmp_path)
+        for name in ("fields/geodesic.py", "fabrication/guide.js", "data/bunny.npz"):
+            before = digest()
+            (tmp_path / name).parent.mkdir()
+            (tmp_path / name).write_text("new")
+            assert digest() != before
+        before = digest()
+        (tmp_path / "viz").mkdir()
+        (tmp_path / "viz" / "scene.py").write_text("a picture changes no weave")
+        assert digest() == before
+    engine.source_digest.cache_clear()
+
+
 def test_what_is_whole_and_current_is_kept(tmp_path: Path, cones: list[Surface]) -> None:
     out = tmp_path / "out"
     seen: list[tuple[Row, int]] = []
