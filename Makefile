@@ -44,15 +44,15 @@ help: ## show this list
 	@echo "variables: PYTHON=$(PYTHON)  PROFILE=$(PROFILE) (or paper)  JOBS=$(JOBS)  NAMES=\"fig26_convergence ...\" (all)"
 
 figures: $(STAMP) ## execute the notebooks that are stale and write figures/ (PROFILE=paper: figures/paper/)
-	@$(PY) -m geoweave.doctor --rendering
-	@$(PY) -m geoweave.runner figures --profile $(PROFILE) --jobs $(JOBS) $(NAMES)
+	@$(PY) -m geoweave.artifact.doctor --rendering
+	@$(PY) -m geoweave.artifact.figures figures --profile $(PROFILE) --jobs $(JOBS) $(NAMES)
 
 notebooks: $(STAMP) ## refresh the outputs stored in notebooks/
-	@$(PY) -m geoweave.doctor --rendering
-	@$(PY) -m geoweave.runner refresh --jobs $(JOBS) $(NAMES)
+	@$(PY) -m geoweave.artifact.doctor --rendering
+	@$(PY) -m geoweave.artifact.figures refresh --jobs $(JOBS) $(NAMES)
 
 test: $(STAMP) ## ruff, mypy, the tests, and nbval over every notebook
-	@$(PY) -m geoweave.doctor --rendering
+	@$(PY) -m geoweave.artifact.doctor --rendering
 	@$(PY) -m ruff check .
 	@$(PY) -m ruff format --check .
 	@$(PY) -m mypy
@@ -73,10 +73,10 @@ replicate: $(STAMP) ## draw Fig. 7 into build/ and compare its numbers with the 
 	@$(PY) scripts/replicate.py
 
 report: $(STAMP) ## write the claims into README.md, times and memory into REPRODUCING.md
-	@$(PY) -m geoweave.runner report
+	@$(PY) -m geoweave.artifact.figures report
 
 site: $(STAMP) ## write the notebooks as pages for a browser, without a network: build/site/index.html
-	@$(PY) -m geoweave.site
+	@$(PY) -m geoweave.artifact.site
 
 lock: ## choose versions anew for requirements.lock (LOCKFLAGS=--upgrade for the newest)
 	@$(PYTHON) -m venv build/uv

@@ -11,15 +11,15 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.memory import peak_gigabytes
-from geoweave import cholesky
 from geoweave.arrays import Complexes
-from geoweave.fields import total_curl
-from geoweave.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
-from geoweave.linalg import factorized, nested_dissection
-from geoweave.mesh import TriMesh
-from geoweave.operators import ClosedFields
-from geoweave.rosy import smoothest_field
-from geoweave.shapes import sphere
+from geoweave.fields.face_field import total_curl
+from geoweave.fields.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
+from geoweave.fields.operators import ClosedFields
+from geoweave.fields.rosy import smoothest_field
+from geoweave.models.shapes import sphere
+from geoweave.sparse import cholesky
+from geoweave.sparse.factorization import factorized, nested_dissection
+from geoweave.surface.mesh import TriMesh
 
 
 class Count:

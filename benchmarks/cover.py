@@ -12,12 +12,13 @@ import numpy as np
 from benchmarks.algorithm1 import compile_first
 from benchmarks.foliation import counting, timed
 from benchmarks.memory import peak_gigabytes
-from geoweave import linalg, models
-from geoweave.linalg import factorized, nested_dissection
-from geoweave.operators import ClosedFields
-from geoweave.remesh import isotropic_remesh
-from geoweave.shapes import icosahedron
-from geoweave.weave import weave_pattern
+from geoweave.fields.operators import ClosedFields
+from geoweave.meshing.remesh import isotropic_remesh
+from geoweave.models import catalogue
+from geoweave.models.shapes import icosahedron
+from geoweave.sparse import factorization
+from geoweave.sparse.factorization import factorized, nested_dissection
+from geoweave.weave.design import weave_pattern
 
 STAGES = ("rosy", "cover", "field", "foliation", "ribbons", "interlacing")
 GUARD = 600.0
@@ -27,16 +28,16 @@ GUARD = 600.0
 def compile_all() -> None:
     """Have numba compile, or load, what a large weave and a small one need."""
     compile_first()
-    small, usual = icosahedron(720), linalg.LARGE
+    small, usual = icosahedron(720), factorization.LARGE
     try:
-        for linalg.LARGE in (usual, 100):
+        for factorization.LARGE in (usual, 100):
             weave_pattern(small)
     finally:
-        linalg.LARGE = usual
+        factorization.LARGE = usual
 
 
 def measure(faces: int) -> dict:
-    mesh = isotropic_remesh(models.load("bunny"), faces)
+    mesh = isotropic_remesh(catalogue.load("bunny"), faces)
     compile_all()
     begun: list[tuple[str, float, float]] = []
 

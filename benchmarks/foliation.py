@@ -13,15 +13,15 @@ import numpy as np
 
 from benchmarks.algorithm1 import compile_first
 from benchmarks.memory import peak_gigabytes
-from geoweave import alternation, rescaling
-from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
-from geoweave.integration import foliate, punctured
-from geoweave.linalg import Factorization, factorized, nested_dissection
-from geoweave.mesh import TriMesh
-from geoweave.operators import ClosedFields
-from geoweave.rescaling import integrating_factor
-from geoweave.rosy import smoothest_field
-from geoweave.shapes import genus_g
+from geoweave.fields.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
+from geoweave.fields.operators import ClosedFields
+from geoweave.fields.rosy import smoothest_field
+from geoweave.foliation import integrability, theta_and_s
+from geoweave.foliation.foliation import foliate, punctured
+from geoweave.foliation.integrability import integrating_factor
+from geoweave.models.shapes import genus_g
+from geoweave.sparse.factorization import Factorization, factorized, nested_dissection
+from geoweave.surface.mesh import TriMesh
 
 
 class Counted:
@@ -50,11 +50,11 @@ def counting() -> Iterator[tuple[list[int], list[int]]]:
         return Counted(factorized(*arguments), solves)
 
     try:
-        for module in (alternation, rescaling):
+        for module in (theta_and_s, integrability):
             module.factorized = counted  # type: ignore[attr-defined]
         yield made, solves
     finally:
-        for module in (alternation, rescaling):
+        for module in (theta_and_s, integrability):
             module.factorized = factorized  # type: ignore[attr-defined]
 
 

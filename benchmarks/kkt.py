@@ -9,11 +9,11 @@ from time import perf_counter
 import numpy as np
 from scipy.sparse.linalg import splu
 
-from geoweave.fields import random_field
-from geoweave.geodesic import ClosedProjection, ordering_of
-from geoweave.operators import ClosedFields, as_complex
-from geoweave.reference import kkt_system
-from geoweave.shapes import sphere
+from geoweave.comparisons.paper_systems import kkt_system
+from geoweave.fields.face_field import random_field
+from geoweave.fields.geodesic import ClosedProjection, ordering_of
+from geoweave.fields.operators import ClosedFields, as_complex
+from geoweave.models.shapes import sphere
 
 SMOOTHNESS = 1e-3
 

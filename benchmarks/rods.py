@@ -11,13 +11,13 @@ from time import perf_counter, process_time
 import numpy as np
 
 from benchmarks.memory import peak_gigabytes
-from geoweave import models, shapes
-from geoweave.departure import fitted, held
-from geoweave.relaxation import relax
-from geoweave.relaxed import relaxed_weave
-from geoweave.ribbon_rods import rods_of_file
-from geoweave.rodfiles import read_rods
-from geoweave.weave import weave_pattern
+from geoweave.models import catalogue, shapes
+from geoweave.rods.departure import fitted, held
+from geoweave.rods.from_ribbons import rods_of_file
+from geoweave.rods.rod_file import read_rods
+from geoweave.rods.slide_and_relax import relax
+from geoweave.rods.weave_at_rest import relaxed_weave
+from geoweave.weave.design import weave_pattern
 
 WEAVES = {"bunny": 108, "icosahedron": None, "bumpy-box": None, "torus": None, "sphere": None}
 """Models and how many ribbons they get; none: what one click gives."""
@@ -34,7 +34,7 @@ def compile_all() -> None:
 def measure(name: str, ribbons: int | None = None) -> dict:
     """Slide and relax the weave of a model."""
     compile_all()
-    weave = weave_pattern(models.load(name), ribbons=ribbons)
+    weave = weave_pattern(catalogue.load(name), ribbons=ribbons)
     before, clock, work = peak_gigabytes(), perf_counter(), process_time()
     found = relaxed_weave(weave)
     wall, cpu = perf_counter() - clock, process_time() - work

@@ -23,11 +23,11 @@ from time import perf_counter
 import numpy as np
 
 from benchmarks.memory import peak_gigabytes
-from geoweave import datasets, models
 from geoweave.errors import GeoweaveError
-from geoweave.prepare import Prepared, RepairReport, evened, read_mesh
-from geoweave.validity import violations
-from geoweave.weave import weave_pattern
+from geoweave.meshing.prepare import Prepared, RepairReport, evened, read_mesh
+from geoweave.models import catalogue, datasets
+from geoweave.weave.design import weave_pattern
+from geoweave.weave.validity import violations
 from scripts.embed_scans import unpacked
 
 KEPT = Path("build/scans")
@@ -80,7 +80,7 @@ CGAL = {
 POTPOURRI3D = {"bob_small": "1c70d963ad5483f0d1a5644d9564146334fcaef74683970a70f06c9beaac961f"}
 """sha256 of ``deps/geometry-central/test/assets/NAME.ply`` in the source distribution 1.4.0."""
 
-BUILT = {name: model.build for name, model in models.MODELS.items() if model.build is not None}
+BUILT = {name: model.build for name, model in catalogue.MODELS.items() if model.build is not None}
 """Surfaces that we ship as formulas."""
 
 

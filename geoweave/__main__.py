@@ -2,7 +2,7 @@
 
 import sys
 
-from geoweave.cli import main
+from geoweave.cli.main import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -7,7 +7,7 @@ source distribution of potpourri3d (PyPI), takes one mesh file each out of them,
 it and writes the compressed arrays. Nothing of the packages is kept. With `--packages` the two files are
 taken from a folder instead of being downloaded.
 
-The result is the same on every run; the new sha256 sums belong into geoweave/datasets.py.
+The result is the same on every run; the new sha256 sums belong into geoweave/models/datasets.py.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from pathlib import Path
 
 import numpy as np
 
-from geoweave.mesh import TriMesh
-from geoweave.prepare import read_mesh
-from geoweave.remesh import isotropic_remesh
+from geoweave.meshing.prepare import read_mesh
+from geoweave.meshing.remesh import isotropic_remesh
+from geoweave.surface.mesh import TriMesh
 
 TARGET = Path(__file__).resolve().parent.parent / "geoweave" / "data"
 

@@ -16,9 +16,9 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from geoweave import doctor
+from geoweave.artifact import doctor
+from geoweave.artifact.execution import Children, execute, interrupt_once
 from geoweave.errors import GeoweaveError
-from geoweave.execution import Children, execute, interrupt_once
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = "fig07_sphere"

@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from geoweave import shapes
-from geoweave.pattern import Pattern, pattern_of
-from geoweave.weave import weave_field
-from geoweave.woven import Weave
+from geoweave.fabrication.nesting import Sheet, Stock, nested
+from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.strip_drawing import drawn
+from geoweave.models import shapes
+from geoweave.weave.design import weave_field
+from geoweave.weave.weave import Weave
 
 UP = (0.0, 0.0, 1.0)
 
@@ -131,3 +134,10 @@ def patterns() -> dict[str, Pattern]:
 
 
 NAMES = ("flat", "circles", "bow tie", "often", "cone")
+
+
+def sheet(name: str, making: Making | None = None, stock: Stock | None = None) -> Sheet:
+    """The one sheet that a pattern is laid on."""
+    pattern, how, sheets = patterns()[name], making or Making(), stock or Stock()
+    (only,) = nested([drawn(pattern, p, how) for p in pieces_of(pattern, how, sheets.room)], sheets)
+    return only

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from geoweave.rods import Contacts, Layout, Material, Rods, carried
+from geoweave.rods.rods import Contacts, Layout, Material, Rods, carried
 
 NONE = Contacts(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
 MATERIAL = Material(thickness=0.01, young=1e6)

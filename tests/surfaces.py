@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from geoweave import shapes
-from geoweave.mesh import TriMesh
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 
 @cache

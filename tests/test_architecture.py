@@ -10,144 +10,60 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "geoweave"
 
-# A module imports from layers above its own, or from its own layer as long as that makes no circle.
-LAYERS = (
-    ("words", {"arrays", "compiled", "errors", "places"}),
-    ("matrices", {"cholesky", "elimination", "linalg"}),
-    ("the surface", {"mesh", "twist"}),
-    (
-        "meshes from files and formulas",
-        {
-            "closest",
-            "datasets",
-            "edits",
-            "formats",
-            "implicit",
-            "mending",
-            "output",
-            "patch",
-            "ply",
-            "prepare",
-            "reading",
-            "remesh",
-            "shapes",
-            "writing",
-        },
-    ),
-    ("operators and fields", {"circle", "fields", "operators", "part"}),
-    (
-        "geodesic fields",
-        {
-            "baselines",
-            "domains",
-            "geodesic",
-            "great_circles",
-            "reference",
-            "rosy",
-            "singular_lines",
-            "singularities",
-        },
-    ),
-    (
-        "integration",
-        {
-            "alignment",
-            "alternation",
-            "compared",
-            "curl_correction",
-            "integration",
-            "mixed_integer",
-            "rescaling",
-        },
-    ),
-    ("curves on the surface", {"curves", "facewalk", "isolines", "separation", "straightest", "tracing"}),
-    ("covers", {"cover"}),
-    ("weaves", {"interlacing", "parity", "ribbons", "rodfiles", "scales", "validity"}),
-    (
-        "rods",
-        {
-            "contact_energies",
-            "departure",
-            "equilibrium",
-            "relaxation",
-            "ribbon_rods",
-            "rod_energies",
-            "rod_matrix",
-            "rod_steps",
-            "rods",
-        },
-    ),
-    ("the pipeline", {"fitting", "inspection", "outputs", "relaxed", "weave", "weavefiles", "woven"}),
-    (
-        "fabrication",
-        {
-            "assembly",
-            "clipping",
-            "cutlist",
-            "drawing_dxf",
-            "drawing_pdf",
-            "drawing_svg",
-            "fabrication",
-            "flatdrawing",
-            "guide",
-            "guide_data",
-            "guide_library",
-            "inks",
-            "lettering",
-            "marks",
-            "nesting",
-            "pattern",
-            "pieces",
-            "solid",
-        },
-    ),
-    ("twins of woven objects", {"twin", "twin_rods", "twin_start", "twin_surface"}),
-    ("models of the figures", {"models"}),
-    (
-        "the artifact",
-        {
-            "claims",
-            "doctor",
-            "execution",
-            "notebooks",
-            "pools",
-            "progress",
-            "runner",
-            "site",
-            "site_font",
-            "site_text",
-        },
-    ),
-    (
-        "the command",
-        {
-            "__main__",
-            "cli",
-            "design",
-            "relaxing",
-            "sweep",
-            "sweeping",
-            "terminal",
-            "twinning",
-            "weaving",
-        },
-    ),
+# The rooms from the ground up: a room imports from rooms above it in this table, and no other way round.
+ROOMS = (
+    "sparse",
+    "surface",
+    "meshing",
+    "models",
+    "fields",
+    "curves",
+    "foliation",
+    "comparisons",
+    "weave",
+    "fabrication",
+    "rods",
+    "twin",
+    "pipeline",
+    "viz",
+    "artifact",
+    "cli",
 )
-LEVEL = {name: level for level, (_, modules) in enumerate(LAYERS) for name in modules}
-ARTIFACT = next(level for level, (title, _) in enumerate(LAYERS) if title == "the artifact")
+WORDS = ("arrays", "compiled", "errors", "files", "checkout")
+"""Modules of the package itself, which every room may import; in their own order."""
+
+NEVER = {
+    "sparse": {"surface"},
+    "meshing": {"sparse"},
+    "models": {"sparse"},
+    "fabrication": {"sparse", "surface", "meshing", "models", "fields", "curves", "foliation", "comparisons"},
+    "rods": {"meshing", "models", "fields", "curves", "foliation", "comparisons", "fabrication"},
+    "twin": {"meshing", "models", "fields", "curves", "foliation", "comparisons"},
+    "pipeline": {"comparisons", "viz"},
+    "viz": {"pipeline", "twin"},
+    "artifact": {"viz", "pipeline", "twin", "rods", "weave", "fabrication"},
+    "cli": {"comparisons", "viz", "sparse"},
+}
+"""What a room does not know although the table would let it: the matrices no mesh, the rods no field."""
+
 DRAWING = {"pyvista", "vtk", "vtkmodules", "matplotlib", "cmcrameri", "cmocean"}
-LONGEST = 450
 PROCESSES = {"joblib.externals.loky.ProcessPoolExecutor"}
 """What joblib is there for: processes, in one module. Its files of pickles stay out."""
 NO_TEST_OF_ITS_OWN = {"__init__", "__main__"}
 
 MODULES = sorted(PACKAGE.rglob("*.py"))
-FLAT = [path for path in MODULES if path.parent == PACKAGE and path.stem != "__init__"]
-VIZ = [path for path in MODULES if path.parent.name == "viz"]
+FACES = [PACKAGE / "__init__.py", *(PACKAGE / room / "__init__.py" for room in ROOMS)]
+OWN = [path for path in PACKAGE.glob("*.py") if path not in FACES]
+LONGEST = 400
+LONGEST_FUNCTION = 80
 
 
 def label(path: Path) -> str:
     return path.relative_to(PACKAGE).with_suffix("").as_posix()
+
+
+def room_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0] if path.parent != PACKAGE else ""
 
 
 def imported(tree: ast.AST) -> set[str]:
@@ -162,68 +78,115 @@ def imported(tree: ast.AST) -> set[str]:
     return names
 
 
-def siblings(path: Path) -> set[str]:
-    """Modules of the flat package (or "viz") that a file imports."""
-    found = set()
-    for name in imported(ast.parse(path.read_text(encoding="utf-8"))):
-        head, _, rest = name.partition(".")
-        if head == "geoweave":
-            found.add(rest.split(".")[0])
+def ours(path: Path) -> set[tuple[str, ...]]:
+    """What a file imports of this package: ("surface", "TriMesh"), ("errors", "MeshError") and so on."""
+    names = (name.split(".") for name in imported(ast.parse(path.read_text(encoding="utf-8"))))
+    return {tuple(rest) for head, *rest in names if head == "geoweave" and rest}
+
+
+def rooms_used(path: Path) -> set[str]:
+    return {name[0] for name in ours(path)} - {room_of(path), *WORDS}
+
+
+def offered(face: Path) -> dict[str, str]:
+    """Names that a face hands out, and the module of the room that each comes from ("" for modules)."""
+    found = {}
+    for node in ast.parse(face.with_suffix(".pyi").read_text(encoding="utf-8")).body:
+        assert isinstance(node, ast.ImportFrom)
+        assert node.level == 1
+        for alias in node.names:
+            assert alias.name == alias.asname, "a face hands names on as they are"
+            assert alias.name not in found
+            found[alias.name] = node.module or ""
     return found
 
 
-def test_every_module_has_a_place_in_the_table() -> None:
-    assert {path.stem for path in FLAT} <= set(LEVEL)
+def test_the_table_lists_the_rooms() -> None:
+    folders = {path.parent.name for path in PACKAGE.glob("*/*.py")}
+    assert folders == set(ROOMS)
+    assert {path.stem for path in OWN} == {*WORDS, "__main__"}
+    assert len(list(PACKAGE.glob("*.py"))) <= 9
 
 
-@pytest.mark.parametrize("path", FLAT, ids=label)
+@pytest.mark.parametrize("path", [path for path in MODULES if path not in FACES], ids=label)
 def test_imports_point_one_way(path: Path) -> None:
-    upward = {name for name in siblings(path) - {"viz"} if LEVEL[name] > LEVEL[path.stem]}
-    assert not upward, f"{path.name} may not import {sorted(upward)}"
+    room, known = room_of(path), rooms_used(path)
+    if path.stem == "__main__":
+        assert known == {"cli"}
+        return
+    if not room:
+        assert not known, f"{path.name} is for every room and may import none"
+        words = {name[0] for name in ours(path)} - {path.stem}
+        assert words <= set(WORDS)
+        return
+    above = set(ROOMS[ROOMS.index(room) + 1 :])
+    allowed = {"viz"} if path == PACKAGE / "cli" / "main.py" else set()
+    wrong = known & ((above | NEVER.get(room, set())) - allowed)
+    assert not wrong, f"{label(path)} may not import {sorted(wrong)}"
 
 
-def test_no_circle() -> None:
-    remaining = {path.stem: siblings(path) - {"viz"} for path in FLAT}
-    while remaining:
-        free = [name for name, needs in remaining.items() if not needs & remaining.keys()]
-        assert free, f"these import each other in a circle: {sorted(remaining)}"
-        for name in free:
-            del remaining[name]
+@pytest.mark.parametrize("room", ["", *ROOMS])
+def test_no_circle_in_a_room(room: str) -> None:
+    files = {path.stem: path for path in (PACKAGE / room).glob("*.py") if path.stem != "__init__"}
+    needs = {
+        stem: {name[1 if room else 0] for name in ours(path) if not room or (name[0] == room and name[1:])}
+        for stem, path in files.items()
+    }
+    while needs:
+        free = [stem for stem, uses in needs.items() if not uses & needs.keys() - {stem}]
+        assert free, f"these import each other in a circle: {sorted(needs)}"
+        for stem in free:
+            del needs[stem]
 
 
-@pytest.mark.parametrize("path", FLAT, ids=label)
+@pytest.mark.parametrize("path", [path for path in MODULES if path not in FACES], ids=label)
+def test_other_rooms_are_entered_by_their_face(path: Path) -> None:
+    for room, *rest in ours(path):
+        if room not in ROOMS or room in {room_of(path), "cli"}:
+            continue
+        assert rest, f"{label(path)}: import what you need of {room} by name"
+        assert rest[0] in offered(PACKAGE / room / "__init__.py"), f"{room} does not hand out {rest}"
+        assert len(rest) == 1, f"{label(path)}: {'.'.join(rest)} is private to {room}; its face is for others"
+
+
+@pytest.mark.parametrize("face", [face for face in FACES if face.with_suffix(".pyi").is_file()], ids=label)
+def test_no_name_is_both_a_module_and_something_else(face: Path) -> None:
+    """Reading ``geoweave.x`` gives one thing, whatever was imported before."""
+    modules = {path.stem for path in face.parent.glob("*.py")} | {
+        path.parent.name for path in face.parent.glob("*/*.py")
+    }
+    both = {name for name, module in offered(face).items() if module and name in modules}
+    assert not both, f"{sorted(both)} are modules too"
+
+
+@pytest.mark.parametrize("face", FACES, ids=label)
+def test_a_face_says_what_lives_there_and_loads_nothing(face: Path) -> None:
+    tree = ast.parse(face.read_text(encoding="utf-8"))
+    assert ast.get_docstring(tree)
+    assert imported(tree) <= {"lazy_loader", "os", "sys"}
+    if face.with_suffix(".pyi").is_file():
+        for name, module in offered(face).items():
+            first = module.split(".")[0]
+            assert not first or (face.parent / first).is_dir() or (face.parent / f"{first}.py").is_file(), (
+                name
+            )
+
+
+@pytest.mark.parametrize("path", [path for path in MODULES if room_of(path) != "viz"], ids=label)
 def test_nothing_imports_viz_but_the_command_at_its_last_moment(path: Path) -> None:
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    if path.stem == "cli":  # inside a function it may
+    if path == PACKAGE / "cli" / "main.py":  # inside a function it may
         tree.body = [node for node in tree.body if not isinstance(node, ast.FunctionDef)]
     assert not {name for name in imported(tree) if name.startswith("geoweave.viz")}
 
 
-@pytest.mark.parametrize("path", [*FLAT, PACKAGE / "__init__.py"], ids=label)
+@pytest.mark.parametrize("path", [path for path in MODULES if room_of(path) != "viz"], ids=label)
 def test_renderers_live_in_viz(path: Path) -> None:
     tops = {name.split(".")[0] for name in imported(ast.parse(path.read_text(encoding="utf-8")))}
     assert not tops & DRAWING
 
 
-@pytest.mark.parametrize("path", VIZ, ids=label)
-def test_viz_knows_no_runner_and_no_command(path: Path) -> None:
-    assert not {name for name in siblings(path) if LEVEL.get(name, 0) >= ARTIFACT}
-
-
-@pytest.mark.parametrize("path", FLAT, ids=label)
-def test_fabrication_knows_a_weave_and_nothing_else(path: Path) -> None:
-    layer = dict(LAYERS)["fabrication"]
-    if path.stem in layer:
-        assert siblings(path) <= layer | {"arrays", "errors", "output", "places", "woven"}
-
-
-def test_matrices_know_no_mesh() -> None:
-    assert siblings(PACKAGE / "linalg.py") <= {"arrays", "cholesky", "errors"}
-    assert siblings(PACKAGE / "cholesky.py") <= {"arrays", "compiled", "elimination", "errors"}
-    assert siblings(PACKAGE / "elimination.py") <= {"arrays", "compiled"}
-
-
-@pytest.mark.parametrize("module", ["geoweave", "geoweave.cli", "geoweave.runner"])
+@pytest.mark.parametrize("module", ["geoweave", "geoweave.cli.main", "geoweave.artifact.figures"])
 def test_importing_draws_in_no_renderer(module: str) -> None:
     code = f"import sys, {module}; print(sorted({DRAWING!r} & set(sys.modules)))"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
@@ -234,7 +197,7 @@ def test_importing_draws_in_no_renderer(module: str) -> None:
 def test_nothing_is_pickled(path: Path) -> None:
     tree = ast.parse(path.read_text(encoding="utf-8"))
     picklers = {"pickle", "cPickle", "cloudpickle", "dill", "joblib", "shelve", "marshal"}
-    found = imported(tree) - (PROCESSES if path.stem == "pools" else set())
+    found = imported(tree) - (PROCESSES if label(path) == "pipeline/workers" else set())
     assert not {name.split(".")[0] for name in found} & picklers
     for node in ast.walk(tree):
         if isinstance(node, ast.keyword) and node.arg == "allow_pickle":
@@ -243,16 +206,27 @@ def test_nothing_is_pickled(path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", MODULES, ids=label)
-def test_rooms_are_small(path: Path) -> None:
-    assert len(path.read_text(encoding="utf-8").splitlines()) < LONGEST
+def test_modules_and_functions_are_small(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert len(text.splitlines()) <= LONGEST
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            lines = (node.end_lineno or 0) - node.lineno + 1
+            assert lines <= LONGEST_FUNCTION, f"{node.name} has {lines} lines"
 
 
-@pytest.mark.parametrize("path", MODULES, ids=label)
+@pytest.mark.parametrize("path", [path for path in MODULES if path not in FACES], ids=label)
 def test_every_module_has_its_test(path: Path) -> None:
-    if path.stem in NO_TEST_OF_ITS_OWN:
-        return
-    own = [path.stem] if path.parent == PACKAGE else [path.stem, path.parent.name]
-    assert any((ROOT / "tests" / f"test_{name}.py").is_file() for name in own)
+    if path.stem not in NO_TEST_OF_ITS_OWN:
+        place = Path("tests") / room_of(path) / f"test_{path.stem}.py"
+        assert (ROOT / place).is_file(), f"{label(path)} has no {place}"
+
+
+def test_every_test_has_its_module() -> None:
+    """A test file in a room's folder tests the module of that name."""
+    for room in ROOMS:
+        for path in (ROOT / "tests" / room).glob("test_*.py"):
+            assert (PACKAGE / room / f"{path.stem.removeprefix('test_')}.py").is_file(), path
 
 
 def test_the_rules_bite(tmp_path: Path) -> None:
@@ -266,5 +240,5 @@ def test_the_rules_bite(tmp_path: Path) -> None:
     tree = ast.parse("\n".join(lines))
     assert imported(tree) == {"pickle", "geoweave.viz", "geoweave.viz.scene.weave", "vtk.util"}
     file = tmp_path / "mesh.py"
-    file.write_text("def f():\n    from geoweave.geodesic import solve\n    import geoweave.cli\n")
-    assert siblings(file) == {"geodesic", "cli"}
+    file.write_text("def f():\n    from geoweave.fields import solve\n    import geoweave.cli.main\n")
+    assert ours(file) == {("fields", "solve"), ("cli", "main")}

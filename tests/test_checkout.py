@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from geoweave.checkout import FIGURES_VARIABLE, figures_folder, repository
 from geoweave.errors import GeoweaveError
-from geoweave.places import FIGURES_VARIABLE, figures_folder, repository
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from geoweave.output import Job, OutputError, check_writable, replacing, sha256_of, written_together
+from geoweave.files import Job, OutputError, check_writable, replacing, sha256_of, written_together
 
 
 def contents(folder):

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from geoweave.execution import Outcome
+from geoweave.artifact.execution import Outcome
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPT = ROOT / "scripts" / "replicate.sh"

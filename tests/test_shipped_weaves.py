@@ -8,12 +8,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave import datasets, shapes
-from geoweave.mesh import TriMesh
-from geoweave.models import MODELS, load
-from geoweave.remesh import isotropic_remesh
-from geoweave.validity import violations
-from geoweave.weave import weave_pattern
+from geoweave.meshing.remesh import isotropic_remesh
+from geoweave.models import datasets, shapes
+from geoweave.models.catalogue import MODELS, load
+from geoweave.surface.mesh import TriMesh
+from geoweave.weave.design import weave_pattern
+from geoweave.weave.validity import violations
 
 FACES = {"schwarz-p": 3000}
 """Between its 24 openings fewer triangles leave no room for ribbons of three spacings."""

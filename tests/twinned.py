@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from geoweave import shapes
-from geoweave.pattern import Pattern, pattern_of
-from geoweave.relaxed import relaxed_weave
-from geoweave.twin import Twin, assembled
-from geoweave.twin_surface import PatternSurface
-from geoweave.weave import weave_pattern
+from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.models import shapes
+from geoweave.rods.weave_at_rest import relaxed_weave
+from geoweave.twin.pattern_surface import PatternSurface
+from geoweave.twin.twin import Twin, assembled
+from geoweave.weave.design import weave_pattern
 
 SHAPES = {
     "cone": (lambda: shapes.cone(faces=1500), 12),

@@ -16,8 +16,9 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from geoweave import datasets, linalg
 from geoweave.errors import DataError, RenderError
+from geoweave.models import datasets
+from geoweave.sparse import factorization
 
 PACKAGES = (
     "geoweave",
@@ -224,7 +225,7 @@ def examine() -> Diagnosis:
         advice.append(str(error))
     if not rendering.works:
         advice.append(rendering.remedy)
-    if linalg.HAS_METIS:
+    if factorization.HAS_METIS:
         ordering = "SuperLU, ordered by METIS nested dissection"
     else:
         ordering = "SuperLU, ordered by minimum degree (slower on large meshes)"
@@ -253,7 +254,7 @@ def examine() -> Diagnosis:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Print the diagnosis, or with ``--rendering`` only what would stop a notebook; 1 if rendering fails."""
-    parser = argparse.ArgumentParser(prog="python -m geoweave.doctor")
+    parser = argparse.ArgumentParser(prog="python -m geoweave.artifact.doctor")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     parser.add_argument("--rendering", action="store_true", help="say nothing unless rendering fails")
     options = parser.parse_args(arguments)

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 
-from geoweave import doctor, notebooks
-from geoweave.places import FIGURES_VARIABLE
+from geoweave.artifact import doctor, notebooks
+from geoweave.checkout import FIGURES_VARIABLE
 
 CELL_TIMEOUT = {"default": 900, "paper": 7200}
 """Seconds that one cell may take before its notebook counts as failed."""
@@ -121,7 +121,7 @@ def execute(
     }
     task = [str(root), name, profile, str(executed), str(os.getpid())]
     child = children.start(
-        [sys.executable, "-m", "geoweave.execution", *task], environment, folder / "log.txt"
+        [sys.executable, "-m", "geoweave.artifact.execution", *task], environment, folder / "log.txt"
     )
     try:
         while True:
@@ -194,7 +194,7 @@ def main() -> int:
     import papermill
     from papermill.exceptions import PapermillExecutionError
 
-    parser = argparse.ArgumentParser(prog="python -m geoweave.execution")
+    parser = argparse.ArgumentParser(prog="python -m geoweave.artifact.execution")
     parser.add_argument("root", type=Path)
     parser.add_argument("name")
     parser.add_argument("profile")

@@ -24,18 +24,18 @@ from pathlib import Path
 
 import nbformat
 
-from geoweave import claims, doctor, notebooks
+from geoweave.artifact import claims, doctor, notebooks
+from geoweave.artifact.execution import Children, execute, interrupt_once
+from geoweave.artifact.progress import Progress
+from geoweave.checkout import repository
 from geoweave.errors import GeoweaveError
-from geoweave.execution import Children, execute, interrupt_once
-from geoweave.output import replacing
-from geoweave.places import repository
-from geoweave.progress import Progress
+from geoweave.files import replacing
 
 UNRELATED = frozenset(
-    {"__main__.py", "claims.py", "cli.py", "progress.py", "viz/probe.py"}
-    | {"site.py", "data/site.css", "site_font.py", "site_text.py"}
+    {"__main__.py", "cli", "viz/probe.py", "artifact/claims.py", "artifact/progress.py"}
+    | {"artifact/site.py", "artifact/site.css", "artifact/site_font.py", "artifact/site_text.py"}
 )
-"""Files and folders of the package that no notebook imports: a change in them leaves every figure as it is."""
+"""Files and folders of the package that no notebook imports: a change in them leaves figures as they are."""
 
 CLAIMS = ("<!-- claims: written by make report -->", "<!-- end of claims -->")
 """The lines of README.md between which the table of claims stands."""
@@ -100,10 +100,10 @@ def digest(root: Path, name: str, profile: str) -> str:
     total = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
     package = root / "geoweave"
     for path in sorted(package.rglob("*")):
-        name = path.relative_to(package)
-        places = {name.as_posix(), *(folder.as_posix() for folder in name.parents)}
-        if path.is_file() and "__pycache__" not in name.parts and not places & UNRELATED:
-            total.update(name.as_posix().encode() + b"\0")
+        place = path.relative_to(package)
+        within = {place.as_posix(), *(folder.as_posix() for folder in place.parents)}
+        if path.is_file() and "__pycache__" not in place.parts and not within & UNRELATED:
+            total.update(place.as_posix().encode() + b"\0")
             total.update(hashlib.sha256(path.read_bytes()).digest())
     return total.hexdigest()
 
@@ -325,7 +325,7 @@ def _write(path: Path, content: bytes) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """What the Makefile calls; status 1 if a notebook failed, 2 if the request makes no sense here."""
-    parser = argparse.ArgumentParser(prog="python -m geoweave.runner")
+    parser = argparse.ArgumentParser(prog="python -m geoweave.artifact.figures")
     commands = parser.add_subparsers(dest="command", required=True)
     figures = commands.add_parser("figures", help="write figures/ from the notebooks that are stale")
     stored = commands.add_parser("refresh", help="store fresh outputs in notebooks/")

@@ -21,12 +21,12 @@ from typing import Any, NamedTuple
 
 from PIL import Image
 
-from geoweave import claims, notebooks
+from geoweave.artifact import claims, notebooks
+from geoweave.artifact.site_font import NOTICE, characters, math_font
+from geoweave.artifact.site_text import code_html, code_style, plain, text_html
+from geoweave.checkout import PACKAGE, repository
 from geoweave.errors import GeoweaveError
-from geoweave.output import OutputError
-from geoweave.places import PACKAGE, repository
-from geoweave.site_font import NOTICE, characters, math_font
-from geoweave.site_text import code_html, code_style, plain, text_html
+from geoweave.files import OutputError
 
 __all__ = ["Page", "build", "main", "page_of"]
 
@@ -79,7 +79,7 @@ def build(root: Path, target: Path) -> list[Path]:
     with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as scratch:
         fresh = Path(scratch) / "site"
         (fresh / "images").mkdir(parents=True)
-        style = (PACKAGE / "data" / "site.css").read_text(encoding="utf-8")
+        style = (PACKAGE / "artifact" / "site.css").read_text(encoding="utf-8")
         _write(fresh / "site.css", f"/* {NOTICE} */\n{style}\n{code_style()}\n")
         (fresh / "math.woff").write_bytes(math_font(characters(page.body for page in pages)))
         for before, page, after in zip([None, *pages[:-1]], pages, [*pages[1:], None], strict=True):
@@ -267,7 +267,7 @@ def _write(path: Path, text: str) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """What the Makefile calls; status 2 if the pages cannot be written."""
-    parser = argparse.ArgumentParser(prog="python -m geoweave.site", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m geoweave.artifact.site", description=__doc__)
     parser.add_argument("-o", "--output", type=Path, help="the folder (build/site)")
     options = parser.parse_args(arguments)
     try:

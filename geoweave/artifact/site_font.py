@@ -17,7 +17,7 @@ from pathlib import Path
 from fontTools import subset
 from fontTools.ttLib import TTFont
 
-from geoweave.output import OutputError
+from geoweave.files import OutputError
 
 __all__ = ["NOTICE", "characters", "math_font"]
 

@@ -20,7 +20,7 @@ from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import PythonLexer
 
-from geoweave.notebooks import NotebookError
+from geoweave.artifact.notebooks import NotebookError
 
 __all__ = ["code_html", "code_style", "equation", "plain", "text_html"]
 

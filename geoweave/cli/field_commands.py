@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoweave.terminal import (
+from geoweave.cli.options import (
     Positive,
     Say,
     Surface,
@@ -24,11 +24,10 @@ from geoweave.terminal import (
 )
 
 if TYPE_CHECKING:
-    from geoweave.fields import FaceField
-    from geoweave.geodesic import GeodesicSolve, Step
-    from geoweave.integration import Foliation
-    from geoweave.mesh import TriMesh
-    from geoweave.prepare import Prepared
+    from geoweave.fields import FaceField, GeodesicSolve, Step
+    from geoweave.foliation import Foliation
+    from geoweave.meshing import Prepared
+    from geoweave.surface import TriMesh
 
 output_option = click.option(
     "-o", "output", metavar="OUT.npz", help="Write mesh and results (numpy, never pickled)."
@@ -68,8 +67,8 @@ def foliate(surface: Surface, scale: float, output: str | None, as_json: bool) -
     """Find a geodesic field, and a periodic function whose level sets follow it."""
     if output is not None:
         check_output(output, surface.name)
-    from geoweave.geodesic import INTEGRABLE_END
-    from geoweave.integration import foliate as integrated
+    from geoweave.fields import INTEGRABLE_END
+    from geoweave.foliation import foliate as integrated
 
     seconds: dict[str, float] = {}
     with status() as say, about(surface.name):
@@ -114,8 +113,7 @@ def _designed(
     surface: Surface, finest: float | None, seconds: dict[str, float], say: Say
 ) -> tuple[Prepared, GeodesicSolve]:
     """Read a surface and run Algorithm 1 on it, sharpened to ``finest`` squared edges if given."""
-    from geoweave.geodesic import geodesic_field, sharpening_schedule
-    from geoweave.rosy import smoothest_field
+    from geoweave.fields import geodesic_field, sharpening_schedule, smoothest_field
 
     prepared = prepared_surface(surface, seconds, say)
     mesh, _ = prepared.mesh.normalized()
@@ -190,7 +188,7 @@ def _report(
 
 
 def _singularities(mesh: TriMesh, initial: FaceField, final: FaceField) -> dict[str, int]:
-    from geoweave.singularities import index_sum, vertex_indices
+    from geoweave.fields import index_sum, vertex_indices
 
     return {
         "before": int((vertex_indices(initial) != 0).sum()),
@@ -225,7 +223,7 @@ def _foliation_arrays(foliation: Foliation) -> dict[str, Any]:
 def _write(output: str, arrays: Mapping[str, Any]) -> None:
     import numpy as np
 
-    from geoweave.output import replacing
+    from geoweave.files import replacing
 
     # through an open file, because numpy would add another ending to a name it does not know
     with replacing(output) as temporary, open(temporary, "wb") as file:

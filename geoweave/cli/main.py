@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from geoweave import design, relaxing, sweeping, twinning, weaving
-from geoweave.errors import GeoweaveError, RenderError
-from geoweave.places import package_version
-from geoweave.terminal import (
+from geoweave.checkout import package_version
+from geoweave.cli import field_commands, relax_command, sweep_command, twin_command, weave_command
+from geoweave.cli.options import (
     as_json,
     check_output,
     components_option,
@@ -33,9 +32,10 @@ from geoweave.terminal import (
     text_of,
     to_faces,
 )
+from geoweave.errors import GeoweaveError, RenderError
 
 if TYPE_CHECKING:
-    from geoweave.prepare import Components
+    from geoweave.meshing import Components
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -92,12 +92,12 @@ def commands() -> None:
     """Geodesic fields, foliations and weaves on triangle meshes."""
 
 
-commands.add_command(design.field)
-commands.add_command(design.foliate)
-commands.add_command(weaving.weave)
-commands.add_command(relaxing.relax)
-commands.add_command(twinning.twin)
-commands.add_command(sweeping.sweep)
+commands.add_command(field_commands.field)
+commands.add_command(field_commands.foliate)
+commands.add_command(weave_command.weave)
+commands.add_command(relax_command.relax)
+commands.add_command(twin_command.twin)
+commands.add_command(sweep_command.sweep)
 
 
 @commands.command()
@@ -111,7 +111,7 @@ def info(
     name: str, as_json: bool, repair: bool, components: Components, faces: int | None, output: str | None
 ) -> None:
     """Read a mesh file (or a named data set), mend it, and say what it is and what was mended."""
-    from geoweave.writing import check_format, write_mesh
+    from geoweave.meshing import check_format, write_mesh
 
     if output is not None:
         check_format(output)
@@ -159,7 +159,7 @@ def info(
 @as_json
 def fetch(names: tuple[str, ...], as_json: bool) -> None:
     """Bring named meshes (all, without a name) and check them by sha256."""
-    from geoweave import datasets
+    from geoweave.models import datasets
 
     with status() as say:
         found: dict[str, str] = {}
@@ -182,10 +182,10 @@ def figures(names: tuple[str, ...], profile: str, jobs: int, force: bool, as_jso
     """Execute the notebooks that are stale and write figures/."""
     from dataclasses import asdict
 
-    from geoweave import doctor, runner
+    from geoweave.artifact import doctor, figures
 
     doctor.require_rendering()
-    results = runner.run(names, profile, jobs, force=force)
+    results = figures.run(names, profile, jobs, force=force)
     if as_json:
         print_json({result.name: asdict(result) for result in results})
     else:
@@ -198,7 +198,7 @@ def figures(names: tuple[str, ...], profile: str, jobs: int, force: bool, as_jso
 @as_json
 def doctor(as_json: bool) -> NoReturn:
     """Say whether this machine can draw, which solver and data there are, and what to install."""
-    from geoweave.doctor import examine
+    from geoweave.artifact import examine
 
     diagnosis = examine()
     if as_json:

@@ -19,7 +19,7 @@ import click
 from geoweave.errors import FieldError, MeshError
 
 if TYPE_CHECKING:
-    from geoweave.prepare import Components, Prepared
+    from geoweave.meshing import Components, Prepared
 
 Say = Callable[[str], None]
 """Shows one line of progress."""
@@ -118,13 +118,13 @@ def prepared_surface(surface: Surface, seconds: dict[str, float], say: Say) -> P
 
 def read_surface(name: str, components: Components, repair: bool, say: Say) -> Prepared:
     """Read a file, or a data set where no file has that name."""
-    from geoweave.prepare import prepare_arrays, read_mesh
+    from geoweave.meshing import prepare_arrays, read_mesh
 
     say(f"reading {name}")
     # a data set's name is a plain word without an ending; a file of that name comes first
     if os.path.lexists(name) or not name.replace("-", "").replace("_", "").isalnum():
         return read_mesh(name, components=components, cut=repair)
-    from geoweave import datasets
+    from geoweave.models import datasets
 
     if name not in datasets.names():
         known = ", ".join(datasets.names())
@@ -142,7 +142,7 @@ def to_faces(prepared: Prepared, faces: int | None, name: str, say: Say) -> Prep
     """Remesh to about so many triangles, if a number was asked for."""
     if faces is None:
         return prepared
-    from geoweave.prepare import remeshed
+    from geoweave.meshing import remeshed
 
     say(f"remeshing {name} to {faces:,} triangles")
     return remeshed(prepared, faces, name=name)
@@ -150,7 +150,7 @@ def to_faces(prepared: Prepared, faces: int | None, name: str, say: Say) -> Prep
 
 def check_output(output: str, source: str) -> None:
     """Refuse an output that cannot be written, or that is the input, before the work begins."""
-    from geoweave.output import OutputError, check_writable
+    from geoweave.files import OutputError, check_writable
 
     check_writable(output)
     if os.path.exists(output) and os.path.exists(source) and os.path.samefile(output, source):
@@ -159,7 +159,7 @@ def check_output(output: str, source: str) -> None:
 
 def new_folder(output: str) -> Path:
     """Refuse a folder for results that cannot be made or written to, before the work begins."""
-    from geoweave.output import OutputError, check_writable
+    from geoweave.files import OutputError, check_writable
 
     folder = Path(output)
     if folder.is_dir():

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoweave.terminal import as_json, new_folder, print_json, print_table, status, timed
+from geoweave.cli.options import as_json, new_folder, print_json, print_table, status, timed
 
 if TYPE_CHECKING:
-    from geoweave.equilibrium import Equilibrium
-    from geoweave.rods import Rods
+    from geoweave.rods import Equilibrium, Rods
 
 
 @click.command()
@@ -23,12 +22,18 @@ if TYPE_CHECKING:
 @as_json
 def relax(file: str, output: str, as_json: bool) -> None:
     """Relax a weave.json of geoweave, or a .rod file of RibbonSim, to the shape that it takes."""
-    from geoweave import relaxation
-    from geoweave.outputs import DESIGN, earlier_report, text_jobs, write_reported
-    from geoweave.relaxed import vertex_normals
-    from geoweave.ribbon_rods import file_of_rods, rods_of_file
-    from geoweave.rodfiles import read_rods, rod_text
-    from geoweave.weavefiles import at_rest, read_weave, rods_of_document
+    from geoweave.pipeline import DESIGN, earlier_report, text_jobs, write_reported
+    from geoweave.rods import (
+        at_rest,
+        file_of_rods,
+        read_rods,
+        read_weave,
+        rod_text,
+        rods_of_document,
+        rods_of_file,
+        slide_and_relax,
+        vertex_normals,
+    )
 
     folder = new_folder(output)
     seconds: dict[str, float] = {}
@@ -42,7 +47,7 @@ def relax(file: str, output: str, as_json: bool) -> None:
                 start, center, unit = rods_of_document(document, Path(file).name)
         own = _check_other_weave(folder, Path(file))
         with timed(seconds, "relax"):
-            found = relaxation.relax(
+            found = slide_and_relax.relax(
                 start,
                 callback=lambda step: say(
                     f"relaxing: step {step.number}, forces balance to {step.gradient:.1g}"
@@ -96,8 +101,8 @@ def relax(file: str, output: str, as_json: bool) -> None:
 
 def _check_other_weave(folder: Path, file: Path) -> bool:
     """Whether a folder holds the weave of a file; one that holds another weave is refused."""
-    from geoweave.output import OutputError
-    from geoweave.outputs import DESIGN
+    from geoweave.files import OutputError
+    from geoweave.pipeline import DESIGN
 
     there = [folder / name for name in DESIGN if (folder / name).is_file()]
     if any(path.read_bytes() == file.read_bytes() for path in there):
@@ -115,7 +120,7 @@ def _result(start: Rods, found: Equilibrium, unit: float) -> dict[str, Any]:
     """Say how far the rods moved, in bounding diagonals at the start, and what energy is left."""
     import numpy as np
 
-    from geoweave.departure import fitted, vertex_weights
+    from geoweave.rods import fitted, vertex_weights
 
     moved = np.linalg.norm(fitted(found.rods, start) - start.points, axis=1)
     diagonal = float(np.linalg.norm(np.ptp(start.points, axis=0)))

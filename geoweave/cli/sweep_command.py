@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from geoweave.terminal import Surface, as_json, print_json, print_table, status, surfaces_options
-from geoweave.weaving import Asked, weave_options
+from geoweave.cli.options import Surface, as_json, print_json, print_table, status, surfaces_options
+from geoweave.cli.weave_command import Asked, weave_options
 
 if TYPE_CHECKING:
-    from geoweave.sweep import Row
+    from geoweave.pipeline import Row
 
 
 @click.command()
@@ -47,9 +47,8 @@ def sweep(
     """
     if jobs is not None and dask is not None:
         raise click.UsageError("--jobs and --dask exclude each other; give one of them")
-    from geoweave import sweep as engine
-    from geoweave.pools import check_dask
-    from geoweave.terminal import new_folder
+    from geoweave.cli.options import new_folder
+    from geoweave.pipeline import batch as engine, check_dask
 
     folder = new_folder(output)
     if dask is not None:

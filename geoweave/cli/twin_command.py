@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoweave.terminal import about, as_json, new_folder, print_json, print_table, status, timed
+from geoweave.cli.options import about, as_json, new_folder, print_json, print_table, status, timed
 
 if TYPE_CHECKING:
-    from geoweave.equilibrium import Step
-    from geoweave.pattern import Pattern
-    from geoweave.terminal import Say
+    from geoweave.cli.options import Say
+    from geoweave.fabrication import Pattern
+    from geoweave.rods import Step
     from geoweave.twin import Likeness, Twin
 
 
@@ -25,8 +25,14 @@ if TYPE_CHECKING:
 @as_json
 def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
     """Put a pattern.json together in simulation, and say whether the woven object comes back."""
-    from geoweave.outputs import earlier_report, listed_files, text_jobs, write_reported, write_texts
-    from geoweave.weavefiles import read_weave
+    from geoweave.pipeline import (
+        earlier_report,
+        listed_files,
+        text_jobs,
+        write_reported,
+        write_texts,
+    )
+    from geoweave.rods import read_weave
 
     path = Path(source)
     path = path / "pattern.json" if path.is_dir() else path
@@ -123,7 +129,7 @@ def sentence(made: Twin, target: Likeness | None, name: str) -> str:
 def _read(path: Path) -> Pattern:
     """Read a pattern, or say in one sentence why not."""
     from geoweave.errors import FieldError
-    from geoweave.pattern import Pattern
+    from geoweave.fabrication import Pattern
 
     try:
         document = json.loads(path.read_text(encoding="utf-8"))

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 from click.core import ParameterSource
 
-from geoweave.errors import FieldError
-from geoweave.terminal import (
+from geoweave.cli.options import (
     Positive,
     Say,
     Surface,
@@ -27,13 +26,13 @@ from geoweave.terminal import (
     text_of,
     timed,
 )
+from geoweave.errors import FieldError
 
 if TYPE_CHECKING:
-    from geoweave.equilibrium import Step
-    from geoweave.inspection import Inspection
-    from geoweave.output import Job
-    from geoweave.prepare import Prepared
-    from geoweave.woven import Weave
+    from geoweave.files import Job
+    from geoweave.meshing import Prepared
+    from geoweave.rods import Step
+    from geoweave.weave import Inspection, Weave
 
 
 @dataclass(frozen=True)
@@ -135,7 +134,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
 def formats_of(names: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Part formats into those of a pattern and those of a weave; an unknown one is refused."""
     from geoweave import fabrication
-    from geoweave.outputs import check_formats
+    from geoweave.pipeline import check_formats
 
     asked = tuple(names)
     cut = fabrication.check_formats(name for name in asked if name in fabrication.FORMATS)
@@ -145,13 +144,12 @@ def formats_of(names: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
     """Read a surface, weave it, relax the weave, and write what was asked for into a folder."""
     from geoweave import fabrication
-    from geoweave.inspection import inspected
-    from geoweave.outputs import write_weave
-    from geoweave.pattern import pattern_of
-    from geoweave.prepare import evened
-    from geoweave.relaxed import relaxed_weave
-    from geoweave.twin_surface import surface_of
-    from geoweave.weave import weave_pattern
+    from geoweave.fabrication import pattern_of
+    from geoweave.meshing import evened
+    from geoweave.pipeline import write_weave
+    from geoweave.rods import relaxed_weave
+    from geoweave.twin import surface_of
+    from geoweave.weave import inspected, weave_pattern
 
     cut, wanted = formats_of(asked.formats)
     seconds: dict[str, float] = {}

@@ -12,10 +12,9 @@ from scipy import sparse
 
 from geoweave.arrays import Complexes, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.linalg import factorized, nested_dissection, one_blas_thread
-from geoweave.mesh import TriMesh
-from geoweave.operators import as_real, face_mass, field_mass, gradient
+from geoweave.fields import FaceField, as_real, face_mass, field_mass, gradient
+from geoweave.sparse import factorized, nested_dissection, one_blas_thread
+from geoweave.surface import TriMesh
 
 Measure: TypeAlias = Literal["absolute", "relative"]
 """Which curl is made small: see `curl_corrected_scale`."""

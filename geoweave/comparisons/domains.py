@@ -11,9 +11,8 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.mesh import TriMesh
-from geoweave.singularities import rotation_across
+from geoweave.fields import FaceField, rotation_across
+from geoweave.surface import TriMesh
 
 WALL_ANGLE = 10.0
 """Degrees by which a field turns across an edge of a wall; a fan turns less, six edges from its centre."""

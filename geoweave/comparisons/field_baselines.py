@@ -1,6 +1,6 @@
 """What Section 4.1 compares geodesic fields with: anti-holomorphic fields, and those of Pottmann et al. 2010.
 
-The third method of Figs. 3 and 7, the field of least Dirichlet energy, is `geoweave.rosy.smoothest_field`.
+The third method of Figs. 3 and 7, the field of least Dirichlet energy, is `smoothest_field`.
 """
 
 from __future__ import annotations
@@ -13,17 +13,23 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from geoweave.arrays import Complexes, Scalars
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, unit
-from geoweave.linalg import Ordering, factorized, nested_dissection, one_blas_thread, smallest_eigenpair
-from geoweave.mesh import TriMesh
-from geoweave.operators import (
+from geoweave.fields import (
+    FaceField,
     as_complex,
     as_real,
     dual_weights,
     field_mass,
     transport_differences,
+    unit,
 )
-from geoweave.part import part_of
+from geoweave.sparse import (
+    Ordering,
+    factorized,
+    nested_dissection,
+    one_blas_thread,
+    smallest_eigenpair,
+)
+from geoweave.surface import TriMesh, part_of
 
 SPECTRAL_FIELDS = 40
 """Eigenfields that span the nearly geodesic fields of `spectral_field`."""
@@ -148,7 +154,7 @@ def anti_holomorphic_field(mesh: TriMesh, seed: int | np.random.Generator = 0) -
     The eigenvector of ``E_A u = mu M u`` for the smallest mu, each vector scaled to length one. The energy is
     the squared divergence plus the squared curl, so a rotation of all vectors by one angle leaves it
     unchanged; which field of that circle comes out is up to the seed, as with ``phase="seeded"`` of
-    `geoweave.rosy.smoothest_field`. On a sphere its minimisers are those of the Dirichlet energy, a space of
+    `smoothest_field`. On a sphere its minimisers are those of the Dirichlet energy, a space of
     three complex dimensions, and the seed chooses among them.
 
     Parameters
@@ -195,7 +201,7 @@ def fitted_curl(mesh: TriMesh) -> sparse.csr_array:
     The neighbours across the edges are unfolded into the plane of the face; the linear map J that fits
     ``J (c_g - c_f) = T_{f<-g} u_g - u_f`` best, c the centres, has the curl ``J_21 - J_12``, its failure to
     be symmetric. Exact on linear fields in the plane; zero on faces with one neighbour only,
-    which do not determine J. Unlike `geoweave.operators.curl` it sees noise, not curl, next to a singularity.
+    which do not determine J. Unlike `curl` it sees noise, not curl, next to a singularity.
 
     Returns
     -------

@@ -8,19 +8,30 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from geoweave.alignment import Alignment, alignment
 from geoweave.arrays import Scalars
-from geoweave.circle import CircleFunction
-from geoweave.curl_correction import curl_corrected_scale
+from geoweave.comparisons.curl_correction import curl_corrected_scale
+from geoweave.comparisons.mixed_integer import mixed_integer_parameterization
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, random_field
-from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
-from geoweave.integration import QUANTILE, Weighting, foliate, global_scale, punctured
-from geoweave.mesh import TriMesh
-from geoweave.mixed_integer import mixed_integer_parameterization
-from geoweave.part import Part
-from geoweave.rescaling import integrating_factor
-from geoweave.rosy import smoothest_field
+from geoweave.fields import (
+    INTEGRABLE_END,
+    FaceField,
+    geodesic_field,
+    random_field,
+    sharpening_schedule,
+    smoothest_field,
+)
+from geoweave.foliation import (
+    QUANTILE,
+    Alignment,
+    CircleFunction,
+    Weighting,
+    alignment,
+    foliate,
+    global_scale,
+    integrating_factor,
+    punctured,
+)
+from geoweave.surface import Part, TriMesh
 
 Method: TypeAlias = Literal[
     "periodic", "curl-corrected", "mixed-integer", "anisotropic", "ours", "s held", "relative curl"

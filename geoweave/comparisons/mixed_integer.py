@@ -13,11 +13,10 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars
-from geoweave.circle import TURN, CircleFunction
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.linalg import factorized, nested_dissection, one_blas_thread
-from geoweave.operators import ClosedFields, as_real, differences
+from geoweave.fields import ClosedFields, FaceField, as_real, differences
+from geoweave.foliation import TURN, CircleFunction
+from geoweave.sparse import factorized, nested_dissection, one_blas_thread
 
 
 class Rounding(NamedTuple):

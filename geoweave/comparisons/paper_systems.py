@@ -8,9 +8,9 @@ from scipy.sparse import csgraph
 from scipy.sparse.linalg import splu
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars
-from geoweave.fields import FaceField, Handles
-from geoweave.mesh import TriMesh
-from geoweave.operators import (
+from geoweave.fields import (
+    FaceField,
+    Handles,
     as_complex,
     as_real,
     curl,
@@ -19,6 +19,7 @@ from geoweave.operators import (
     field_mass,
     transport_differences,
 )
+from geoweave.surface import TriMesh
 
 
 def kkt_system(

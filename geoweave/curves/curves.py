@@ -11,8 +11,7 @@ import numpy as np
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
 from geoweave.compiled import compiled
 from geoweave.errors import FieldError
-from geoweave.mesh import TriMesh
-from geoweave.part import Part
+from geoweave.surface import Part, TriMesh
 
 WINDOW_EDGES = 4.0
 """Half-width of the window over which a turning angle is spread, in mean edge lengths."""
@@ -159,6 +158,15 @@ def geodesic_curvature(curves: Curves, window: float | None = None) -> Scalars:
     if not (np.isfinite(width) and width > 0):
         raise FieldError(f"the window of a geodesic curvature must be a positive length, not {window}")
     return _spread(curves.arclength, curves.turning, curves.offsets, curves.closed, curves.lengths, width)
+
+
+def bending(curves: Curves) -> float:
+    """Mean of ``|kappa_g|`` over the length of all curves, times the bounding radius of their mesh: a number.
+
+    It is 0 for geodesics and 1 for curves that turn one radian on a length of one bounding radius.
+    """
+    mean = float(np.average(np.abs(geodesic_curvature(curves)), weights=curves.segment_lengths))
+    return mean * curves.mesh.bounding_radius
 
 
 @compiled

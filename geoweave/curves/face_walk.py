@@ -12,7 +12,7 @@ import numpy as np
 
 from geoweave.arrays import Complexes, Indices, Scalars, Vectors
 from geoweave.compiled import compiled
-from geoweave.mesh import TriMesh
+from geoweave.surface import TriMesh
 
 EDGE_MARGIN = 1e-9
 """Crossings keep this share of an edge away from its ends, so that a line passes a vertex on one side."""

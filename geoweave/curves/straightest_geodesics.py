@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, Vectors, frozen
 from geoweave.compiled import compiled
-from geoweave.curves import Curves
-from geoweave.errors import FieldError
-from geoweave.facewalk import (
+from geoweave.curves.curves import Curves
+from geoweave.curves.face_walk import (
     EDGE_MARGIN,
     Ground,
     corner,
@@ -27,7 +26,8 @@ from geoweave.facewalk import (
     straight_through,
     unfold,
 )
-from geoweave.mesh import TriMesh
+from geoweave.errors import FieldError
+from geoweave.surface import TriMesh
 
 __all__ = ["Crossings", "crossings", "straightest"]
 

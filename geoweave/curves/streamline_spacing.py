@@ -8,7 +8,7 @@ import numpy as np
 
 from geoweave.arrays import Complexes, Indices, Scalars, Vectors
 from geoweave.compiled import compiled
-from geoweave.facewalk import Ground, in_space
+from geoweave.curves.face_walk import Ground, in_space
 
 SAME_SHEET = 0.3
 """Points are near each other only if the scalar product of their normals exceeds this."""

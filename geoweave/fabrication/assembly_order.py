@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geoweave.arrays import Indices
-from geoweave.pattern import Pattern
+from geoweave.fabrication.pattern import Pattern
 
 __all__ = ["BACKBONE", "MEDIUM", "Step", "assembly"]
 

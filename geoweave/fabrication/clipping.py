@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from geoweave.lettering import Box
+from geoweave.fabrication.stroke_font import Box
 
 __all__ = ["clipped", "dashes", "outside", "rectangle", "span", "within"]
 

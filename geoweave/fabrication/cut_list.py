@@ -8,10 +8,10 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from geoweave.assembly import Step
 from geoweave.errors import FieldError
-from geoweave.pattern import Pattern
-from geoweave.pieces import Making, Piece, pieces_of
+from geoweave.fabrication.assembly_order import Step
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pieces import Making, Piece, pieces_of
 
 __all__ = ["COLUMNS", "CutList", "cut_list"]
 

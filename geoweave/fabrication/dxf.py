@@ -6,18 +6,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from os import PathLike
 
-from ezdxf import colors
-from ezdxf import units as dxf_units
+from ezdxf import colors, units as dxf_units
 from ezdxf._options import options
 from ezdxf.document import Drawing
 from ezdxf.filemanagement import new
 from ezdxf.layouts.layout import Modelspace
 
-from geoweave.flatdrawing import LAYERS, ROLES, Figure
-from geoweave.inks import Colours
-from geoweave.nesting import Sheet
-from geoweave.output import replacing
-from geoweave.pattern import Pattern
+from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.nesting import Sheet
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.strip_drawing import LAYERS, ROLES, Figure
+from geoweave.files import replacing
 
 __all__ = ["APPLICATION", "dxf_drawing", "write_dxf"]
 

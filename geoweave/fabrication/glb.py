@@ -14,11 +14,11 @@ from scipy.interpolate import PchipInterpolator
 
 from geoweave.arrays import Scalars, Vectors
 from geoweave.errors import FieldError
-from geoweave.inks import FAMILIES
-from geoweave.output import replacing
+from geoweave.fabrication.colours import FAMILIES
+from geoweave.files import replacing
 
 if TYPE_CHECKING:
-    from geoweave.woven import Weave
+    from geoweave.weave import Weave
 
 __all__ = ["Course", "Ribbon", "courses", "glb_bytes", "solid_ribbons", "write_glb"]
 

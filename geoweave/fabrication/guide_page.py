@@ -1,7 +1,7 @@
 """``guide.html``: how to weave the object, strip by strip and crossing by crossing (Section 5.4).
 
 One page that needs nothing but itself. It shows the weave in space, the strip in hand as it was cut, and one
-thing to do at a time, in the order of `geoweave.assembly`; it remembers where the maker was.
+thing to do at a time, in the order of `assembly_order`; it remembers where the maker was.
 """
 
 from __future__ import annotations
@@ -12,18 +12,18 @@ import json
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from geoweave.assembly import Step, assembly
+from geoweave.checkout import PACKAGE
 from geoweave.errors import FieldError
-from geoweave.guide_data import drawings, shape
-from geoweave.guide_library import three_js
-from geoweave.inks import Colours
-from geoweave.marks import MARKS, outline
-from geoweave.pattern import Pattern
-from geoweave.pieces import Making
-from geoweave.places import PACKAGE
+from geoweave.fabrication.assembly_order import Step, assembly
+from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.guide_payload import drawings, shape
+from geoweave.fabrication.guide_threejs import three_js
+from geoweave.fabrication.marks import MARKS, outline
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pieces import Making
 
 if TYPE_CHECKING:
-    from geoweave.woven import Weave
+    from geoweave.weave import Weave
 
 __all__ = ["guide_content", "guide_html"]
 
@@ -71,7 +71,7 @@ def guide_html(
         order or assembly(pattern),
     )
     library = three_js()
-    page, *rest = ((PACKAGE / "data" / name).read_text(encoding="utf-8") for name in PARTS)
+    page, *rest = ((PACKAGE / "fabrication" / name).read_text(encoding="utf-8") for name in PARTS)
     style, scripts = rest[0], rest[1:]
     # "</" would end the element that holds it.
     data = json.dumps(content, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")

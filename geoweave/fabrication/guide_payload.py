@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from geoweave.arrays import Indices
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import Drawn, drawn
-from geoweave.inks import Colours, Ink, ink
-from geoweave.pattern import Pattern
-from geoweave.pieces import Making, pieces_of
-from geoweave.solid import courses
+from geoweave.fabrication.colours import Colours, Ink, ink
+from geoweave.fabrication.glb import courses
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.strip_drawing import Drawn, drawn
 
 __all__ = ["GRAIN", "drawings", "shape", "varints"]
 

@@ -11,7 +11,7 @@ import zipfile
 from pathlib import Path
 from typing import NamedTuple
 
-from geoweave.output import OutputError
+from geoweave.files import OutputError
 
 __all__ = ["Library", "three_js"]
 

@@ -9,23 +9,23 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geoweave.assembly import Step, assembly
-from geoweave.cutlist import cut_list
-from geoweave.drawing_dxf import write_dxf
-from geoweave.drawing_pdf import PAPERS, laid_on_pages, page_stock, write_pdf
-from geoweave.drawing_svg import write_svg
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import Drawn, drawn
-from geoweave.guide import guide_html
-from geoweave.inks import Colours
-from geoweave.nesting import Sheet, Stock, nested
-from geoweave.output import Job, OutputError, chosen, written_together
-from geoweave.pattern import Pattern
-from geoweave.pieces import Making, pieces_of
-from geoweave.solid import write_glb
+from geoweave.fabrication.assembly_order import Step, assembly
+from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.cut_list import cut_list
+from geoweave.fabrication.dxf import write_dxf
+from geoweave.fabrication.glb import write_glb
+from geoweave.fabrication.guide_page import guide_html
+from geoweave.fabrication.nesting import Sheet, Stock, nested
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pdf import PAPERS, laid_on_pages, page_stock, write_pdf
+from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.strip_drawing import Drawn, drawn
+from geoweave.fabrication.svg import write_svg
+from geoweave.files import Job, OutputError, chosen, written_together
 
 if TYPE_CHECKING:
-    from geoweave.woven import Weave
+    from geoweave.weave import Weave
 
 __all__ = ["FORMATS", "Bench", "check_formats", "pattern_document", "write"]
 

@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
-from geoweave.marks import MARKS, assigned
+from geoweave.fabrication.marks import MARKS, assigned
 
 if TYPE_CHECKING:
-    from geoweave.woven import Weave
+    from geoweave.weave import Weave
 
 __all__ = ["FORMAT", "VERSION", "Passage", "Pattern", "Strip", "bow_and_turning", "pattern_of"]
 

@@ -12,12 +12,12 @@ from reportlab.pdfgen.canvas import Canvas
 from reportlab.pdfgen.pathobject import PDFPathObject
 
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import LAYERS, ROLES, Drawn, Figure
-from geoweave.inks import INK, Colours, ink, mixed
-from geoweave.marks import outline
-from geoweave.nesting import Sheet, Stock, nested
-from geoweave.output import replacing
-from geoweave.pattern import Pattern
+from geoweave.fabrication.colours import INK, Colours, ink, mixed
+from geoweave.fabrication.marks import outline
+from geoweave.fabrication.nesting import Sheet, Stock, nested
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.strip_drawing import LAYERS, ROLES, Drawn, Figure
+from geoweave.files import replacing
 
 __all__ = ["PAPERS", "RULER", "Paper", "laid_on_pages", "page_stock", "pdf_bytes", "write_pdf"]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from geoweave.errors import FieldError
-from geoweave.pattern import Passage, Pattern
+from geoweave.fabrication.pattern import Passage, Pattern
 
 __all__ = ["Join", "Making", "Piece", "cut_length", "pieces_of", "shown"]
 

@@ -14,12 +14,12 @@ from typing import Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from geoweave.clipping import clipped, dashes, outside, rectangle, within
 from geoweave.errors import FieldError
-from geoweave.lettering import PEN, Board, Box, boxes_overlap, text_box, text_strokes
-from geoweave.marks import outline
-from geoweave.pattern import Passage, Pattern
-from geoweave.pieces import Making, Piece, shown
+from geoweave.fabrication.clipping import clipped, dashes, outside, rectangle, within
+from geoweave.fabrication.marks import outline
+from geoweave.fabrication.pattern import Passage, Pattern
+from geoweave.fabrication.pieces import Making, Piece, shown
+from geoweave.fabrication.stroke_font import PEN, Board, Box, boxes_overlap, text_box, text_strokes
 
 __all__ = ["LAYERS", "ROLES", "Drawn", "Figure", "Role", "drawn"]
 

@@ -12,11 +12,11 @@ from xml.sax.saxutils import escape, quoteattr
 import numpy as np
 
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import LAYERS, ROLES, Figure
-from geoweave.inks import Colours, ink
-from geoweave.nesting import Laid, Sheet
-from geoweave.output import replacing
-from geoweave.pattern import Pattern
+from geoweave.fabrication.colours import Colours, ink
+from geoweave.fabrication.nesting import Laid, Sheet
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.strip_drawing import LAYERS, ROLES, Figure
+from geoweave.files import replacing
 
 __all__ = ["MarkSeen", "read_svg", "svg_text", "write_svg"]
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
-from geoweave.mesh import TriMesh
+from geoweave.surface import TriMesh
 
 
 @dataclass(frozen=True, eq=False)

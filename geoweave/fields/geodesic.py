@@ -12,10 +12,16 @@ from scipy import sparse
 
 from geoweave.arrays import Complexes, Indices, Scalars
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, Handles, unit
-from geoweave.linalg import Factorization, Ordering, factorized, nested_dissection, one_blas_thread
-from geoweave.mesh import TriMesh
-from geoweave.operators import AllFields, ClosedFields, as_complex, as_real, dual_weights
+from geoweave.fields.face_field import FaceField, Handles, unit
+from geoweave.fields.operators import AllFields, ClosedFields, as_complex, as_real, dual_weights
+from geoweave.sparse import (
+    Factorization,
+    Ordering,
+    factorized,
+    nested_dissection,
+    one_blas_thread,
+)
+from geoweave.surface import TriMesh
 
 Acceleration: TypeAlias = Literal["momentum", "none"]
 """How a step of Algorithm 1 starts: at the last field, or past it (DEVIATIONS.md, momentum)."""

@@ -14,8 +14,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
-from geoweave.mesh import TriMesh
-from geoweave.twist import gauge
+from geoweave.surface import TriMesh, gauge
 
 
 def as_real(values: Complexes) -> Scalars:

@@ -16,11 +16,11 @@ from scipy import sparse
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, edge_curl, random_field, unit
-from geoweave.linalg import factorized, nested_dissection, one_blas_thread, smallest_eigenpair
-from geoweave.mesh import TriMesh
-from geoweave.operators import connection_laplacian
-from geoweave.singularities import windings
+from geoweave.fields.face_field import FaceField, edge_curl, random_field, unit
+from geoweave.fields.operators import connection_laplacian
+from geoweave.fields.singularities import windings
+from geoweave.sparse import factorized, nested_dissection, one_blas_thread, smallest_eigenpair
+from geoweave.surface import TriMesh
 
 Phase: TypeAlias = Literal["least-curl", "seeded"]
 """How the common rotation is chosen that the Dirichlet energy leaves free: see `smoothest_field`."""

@@ -6,8 +6,8 @@ import numpy as np
 from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars, frozen
-from geoweave.fields import FaceField
-from geoweave.mesh import TriMesh
+from geoweave.fields.face_field import FaceField
+from geoweave.surface import TriMesh
 
 
 def rotation_across(field: FaceField) -> Scalars:

@@ -9,8 +9,8 @@ import numpy as np
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
-from geoweave.mesh import TriMesh
-from geoweave.operators import as_complex, sharp
+from geoweave.fields import as_complex, sharp
+from geoweave.surface import TriMesh
 
 TURN = 2.0 * np.pi
 

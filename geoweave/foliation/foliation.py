@@ -8,16 +8,20 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from geoweave.alignment import Alignment, alignment
-from geoweave.alternation import Alternation, along_edges
 from geoweave.arrays import Scalars, frozen
-from geoweave.circle import CircleFunction
 from geoweave.errors import FieldError, MeshError
-from geoweave.fields import FaceField
-from geoweave.linalg import Ordering, one_blas_thread
-from geoweave.part import Part, part_of
-from geoweave.rescaling import Method, component_means, integrating_factor, vertices_and_faces
-from geoweave.singularities import vertex_indices
+from geoweave.fields import FaceField, vertex_indices
+from geoweave.foliation.circle_function import CircleFunction
+from geoweave.foliation.integrability import (
+    Method,
+    component_means,
+    integrating_factor,
+    vertices_and_faces,
+)
+from geoweave.foliation.level_set_alignment import Alignment, alignment
+from geoweave.foliation.theta_and_s import Alternation, along_edges
+from geoweave.sparse import Ordering, one_blas_thread
+from geoweave.surface import Part, part_of
 
 Weighting: TypeAlias = Literal["relative", "uniform"]
 """Whether Eq. 8 is measured in units of the first s, or as the paper prints it (DEVIATIONS.md, weighting)."""

@@ -13,12 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from geoweave.arrays import Flags, Indices, Scalars
-from geoweave.circle import TURN, CircleFunction, wrapped
 from geoweave.compiled import compiled
 from geoweave.curves import Curves, lifted
 from geoweave.errors import FieldError
-from geoweave.integration import Foliation
-from geoweave.mesh import TriMesh
+from geoweave.foliation.circle_function import TURN, CircleFunction, wrapped
+from geoweave.foliation.foliation import Foliation
+from geoweave.surface import TriMesh
 
 __all__ = ["isolines"]
 

@@ -9,9 +9,10 @@ import numpy as np
 from scipy import sparse
 
 from geoweave.arrays import Complexes, Indices, Scalars
-from geoweave.circle import wrapped
-from geoweave.fields import FaceField
-from geoweave.linalg import (
+from geoweave.fields import FaceField, as_complex, as_real, face_laplacian
+from geoweave.foliation.circle_function import wrapped
+from geoweave.foliation.integrability import perpendicular, vertices_and_faces
+from geoweave.sparse import (
     Analysis,
     Assembly,
     Factorization,
@@ -20,9 +21,7 @@ from geoweave.linalg import (
     bounded_minimum,
     factorized,
 )
-from geoweave.mesh import TriMesh
-from geoweave.operators import as_complex, as_real, face_laplacian
-from geoweave.rescaling import perpendicular, vertices_and_faces
+from geoweave.surface import TriMesh
 
 __all__ = ["Alternation", "along_edges"]
 
@@ -110,7 +109,7 @@ class Alternation:
         return np.asarray(rise.reshape(-1, 3) - s[:, None] * self.along)
 
     def energy(self, theta: Scalars, s: Scalars) -> float:
-        """Eq. 8, in the unit that `geoweave.integration.foliate` says."""
+        """Eq. 8, in the unit that `geoweave.foliation.foliation.foliate` says."""
         share = s / self.unit
         smooth = 0.5 * self.smoothness * share @ (self.laplacian @ share)
         return float((self.weight * (1.0 - np.cos(self.residual(theta, s)))).sum() + smooth)

@@ -9,7 +9,7 @@ import numpy as np
 
 from geoweave.arrays import Indices, Scalars
 from geoweave.compiled import compiled
-from geoweave.patch import (
+from geoweave.meshing.halfedge_patch import (
     FLOOR,
     FREE,
     LOCKED,

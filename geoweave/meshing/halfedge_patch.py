@@ -1,7 +1,7 @@
 """A triangle mesh under local edits, as flat arrays, and the questions that every edit asks of it.
 
 Half-edge (and corner) ``3 f + k`` lies opposite corner ``k`` of face ``f`` and runs from corner ``k + 1`` to
-corner ``k + 2``, as in `geoweave.mesh`. Marked edges (the boundary and creases) form curves that stay curves:
+corner ``k + 2``, as in `TriMesh`. Marked edges (the boundary and creases) form curves that stay curves:
 they are never flipped, and their vertices move along them only. Everything here is compiled.
 """
 
@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
-from geoweave.closest import BoxTree, nearest
 from geoweave.compiled import compiled
+from geoweave.surface import BoxTree, nearest
 
 FREE, ON_CURVE, LOCKED = 0, 1, 2
 

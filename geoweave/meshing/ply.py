@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import Indices, Vectors
 from geoweave.compiled import compiled
 from geoweave.errors import MeshError
-from geoweave.formats import RawMesh, fan_triangles
+from geoweave.meshing.obj_off_stl import RawMesh, fan_triangles
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2",

@@ -13,11 +13,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geoweave import mending
 from geoweave.arrays import Flags, Indices, Triangles, Vectors
 from geoweave.errors import MeshError
-from geoweave.mesh import TriMesh
-from geoweave.reading import read_arrays, shown
+from geoweave.meshing import repairs
+from geoweave.meshing.read import read_arrays, shown
+from geoweave.surface import TriMesh
 
 Components = Literal["keep", "largest"]
 
@@ -124,7 +124,7 @@ def read_mesh(
 
 def remeshed(prepared: Prepared, faces: int, *, name: str = "mesh") -> Prepared:
     """Remesh isotropically to about the given number of triangles (Section 5.2) and note it in the report."""
-    from geoweave.remesh import isotropic_remesh
+    from geoweave.meshing.remesh import isotropic_remesh
 
     try:
         mesh = isotropic_remesh(prepared.mesh, faces)
@@ -187,33 +187,33 @@ def prepare_arrays(
     points, triangles = _checked(np.asarray(vertices), np.asarray(faces), name)
     count: dict[str, int] = {}
 
-    origin, triangles = mending.used_vertices(triangles, len(points))
+    origin, triangles = repairs.used_vertices(triangles, len(points))
     count["unreferenced_vertices"] = len(points) - len(origin)
     points = points[origin]
     _check_size(points, origin, name)
 
     triangles = _welded_and_cleaned(points, triangles, count, name)
-    edges = mending.Edges.of(triangles)
+    edges = repairs.Edges.of(triangles)
     _check_soup(edges.face_components, name)
     if components == "largest":
-        area = np.bincount(edges.face_components, mending.shapes_of(points, triangles)[1])
+        area = np.bincount(edges.face_components, repairs.shapes_of(points, triangles)[1])
         count["dropped_components"] = len(area) - 1
         triangles = triangles[edges.face_components == int(area.argmax())]
-        edges = mending.Edges.of(triangles)
+        edges = repairs.Edges.of(triangles)
 
     count["cut_edges"] = int((edges.counts > 2).sum()) if cut else 0
     added = 0
     if count["cut_edges"]:
         points, triangles, origin, added = _separated(points, triangles, edges, origin)
-        edges = mending.Edges.of(triangles)
+        edges = repairs.Edges.of(triangles)
     _check_edges(points, edges, origin, name)
-    turned, one_sided = mending.orientation(triangles, edges)
+    turned, one_sided = repairs.orientation(triangles, edges)
     if len(one_sided):
         raise MeshError(
             f"{name}: {len(one_sided)} faces form a one-sided surface like a Moebius strip (first: face at "
             f"{_place(points[triangles[one_sided[0]]])}); cut it open across the strip in a mesh editor"
         )
-    turned ^= mending.inside_out(points, _turned(triangles, turned), edges)
+    turned ^= repairs.inside_out(points, _turned(triangles, turned), edges)
     count["turned_faces"] = int(turned.sum())
     points, triangles, _, split = _separated(points, triangles, edges, origin)
     count["split_vertices"] = added + split
@@ -225,12 +225,12 @@ def prepare_arrays(
 
 
 def _separated(
-    points: Vectors, triangles: Triangles, edges: mending.Edges, origin: Indices
+    points: Vectors, triangles: Triangles, edges: repairs.Edges, origin: Indices
 ) -> tuple[Vectors, Triangles, Indices, int]:
     """Give every fan its own vertex and drop what no face uses; also returns how many vertices were added."""
-    triangles, copies = mending.separated_fans(triangles, edges)
+    triangles, copies = repairs.separated_fans(triangles, edges)
     source = np.concatenate([np.arange(int(triangles.max()) + 1 - len(copies)), copies])
-    kept, triangles = mending.used_vertices(triangles, len(source))
+    kept, triangles = repairs.used_vertices(triangles, len(source))
     return points[source[kept]], triangles, origin[source[kept]], len(copies)
 
 
@@ -238,7 +238,7 @@ def _turned(triangles: Triangles, which: Flags) -> Triangles:
     return np.where(which[:, None], triangles[:, [0, 2, 1]], triangles)
 
 
-def _check_edges(points: Vectors, edges: mending.Edges, origin: Indices, name: str) -> None:
+def _check_edges(points: Vectors, edges: repairs.Edges, origin: Indices, name: str) -> None:
     """Refuse edges shared by more than two faces."""
     shared = edges.ends[edges.counts > 2]
     if len(shared):
@@ -254,18 +254,18 @@ def _welded_and_cleaned(points: Vectors, triangles: Triangles, count: dict[str, 
     """Weld, flip and drop until nothing changes, and add to the counts."""
     count.update(welded_vertices=0, degenerate_faces=0, flipped_edges=0, duplicate_faces=0)
     for _ in range(MOST_ROUNDS):
-        repeated = mending.repeated(triangles)
+        repeated = repairs.repeated(triangles)
         count["degenerate_faces"] += int(repeated.sum())
         triangles = triangles[~repeated]
-        alike = mending.duplicates(triangles)
+        alike = repairs.duplicates(triangles)
         count["duplicate_faces"] += int(alike.sum())
         triangles = triangles[~alike]
-        flat = mending.flat(points, triangles)
+        flat = repairs.flat(points, triangles)
         if flat.all():
             raise MeshError(f"{name}: no face has any area; export the mesh again")
-        edges = mending.Edges.of(triangles)
+        edges = repairs.Edges.of(triangles)
         target = _weld_targets(points, triangles, edges, flat)
-        used, _ = mending.used_vertices(triangles, len(points))
+        used, _ = repairs.used_vertices(triangles, len(points))
         welded = int((target[used] != used).sum())
         if welded:
             count["welded_vertices"] += welded
@@ -273,34 +273,34 @@ def _welded_and_cleaned(points: Vectors, triangles: Triangles, count: dict[str, 
             continue
         if not flat.any():
             return triangles
-        triangles, flips = mending.flip_caps(points, triangles, edges, flat)
+        triangles, flips = repairs.flip_caps(points, triangles, edges, flat)
         count["flipped_edges"] += flips
         if not flips:
             break
-    flat = mending.repeated(triangles) | mending.flat(points, triangles)
+    flat = repairs.repeated(triangles) | repairs.flat(points, triangles)
     count["degenerate_faces"] += int(flat.sum())
     return triangles[~flat]
 
 
-def _weld_targets(points: Vectors, triangles: Triangles, edges: mending.Edges, flat: Flags) -> Indices:
+def _weld_targets(points: Vectors, triangles: Triangles, edges: repairs.Edges, flat: Flags) -> Indices:
     """(V,) vertex that each one is welded to: itself, unless that closes an open edge or removes a face.
 
     Sheets that touch along an edge, each with its own vertices, are a surface as they are. Only a soup, such
     as any STL file, has no connectivity of its own: there an edge of three faces is a fault to be told.
     """
-    target = mending.coincident(points, triangles, edges, flat)
+    target = repairs.coincident(points, triangles, edges, flat)
     numbers = np.arange(len(target))
     if (target == numbers).all():
         return target
     welded = target[triangles]
-    gone = mending.repeated(welded) | mending.duplicates(welded)
-    after = mending.Edges.of(welded[~gone])
+    gone = repairs.repeated(welded) | repairs.duplicates(welded)
+    after = repairs.Edges.of(welded[~gone])
     was_open = (edges.counts[edges.of_halfedge] == 1).reshape(-1, 3)[~gone].ravel()
     closed = after.of_halfedge[was_open & (after.counts[after.of_halfedge] > 1)]
     useful = np.zeros(len(target), dtype=bool)
     useful[after.ends[closed]] = True
     useful[welded[gone]] = True
-    soup = len(mending.used_vertices(triangles, len(points))[0]) == triangles.size
+    soup = len(repairs.used_vertices(triangles, len(points))[0]) == triangles.size
     if not soup and (edges.counts <= 2).all():
         useful[after.ends[after.counts > 2]] = False
     return np.where(useful[target], target, numbers)

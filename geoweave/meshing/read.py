@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from geoweave.errors import MeshError
-from geoweave.formats import RawMesh, read_obj, read_off, read_stl
+from geoweave.meshing.obj_off_stl import RawMesh, read_obj, read_off, read_stl
 
 _PACKED = {"gz", "bz2", "xz", "zst", "zip", "7z", "tar", "tgz"}
 
@@ -77,7 +77,7 @@ def _reader(kind: str, name: str) -> Callable[[Path], RawMesh]:
     if kind == "stl":
         return lambda file: read_stl(file.read_bytes())
     if kind == "ply":
-        from geoweave.ply import read_ply  # numba takes half a second to import
+        from geoweave.meshing.ply import read_ply  # numba takes half a second to import
 
         return lambda file: read_ply(file.read_bytes())
     if kind in _PACKED:

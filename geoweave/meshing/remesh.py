@@ -10,12 +10,11 @@ from __future__ import annotations
 import numpy as np
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
-from geoweave.closest import BoxTree, segment_tree, triangle_tree
 from geoweave.compiled import compiled
-from geoweave.edits import collapse_edges, flip_edges, relax_vertices, split_edges
 from geoweave.errors import MeshError
-from geoweave.mesh import TriMesh
-from geoweave.patch import FREE, LOCKED, ON_CURVE, Guide, Patch
+from geoweave.meshing.edge_edits import collapse_edges, flip_edges, relax_vertices, split_edges
+from geoweave.meshing.halfedge_patch import FREE, LOCKED, ON_CURVE, Guide, Patch
+from geoweave.surface import BoxTree, TriMesh, segment_tree, triangle_tree
 
 LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0
 """Edges are split above and collapsed below these multiples of the wanted length (Botsch and Kobbelt)."""

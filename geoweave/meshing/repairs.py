@@ -15,7 +15,7 @@ from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, Triangles, Vectors
-from geoweave.mesh import SMALLEST_ASPECT
+from geoweave.surface import SMALLEST_ASPECT
 
 FLAT = 2.0 * SMALLEST_ASPECT
 """A face is flat when its area is at most this share of its longest edge squared; stricter than `TriMesh`."""

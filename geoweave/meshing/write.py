@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from geoweave.mesh import TriMesh
-from geoweave.output import OutputError, replacing
+from geoweave.files import OutputError, replacing
+from geoweave.surface import TriMesh
 
 WRITTEN = (".obj", ".off", ".ply")
 """Formats that can be written; STL is not among them, because it forgets which vertices are shared."""

@@ -8,14 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
-from geoweave import datasets, shapes
-from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import DataError
-from geoweave.mesh import TriMesh
+from geoweave.models import datasets, shapes
+from geoweave.surface import TriMesh
 
-__all__ = ["MODELS", "Model", "about", "bending", "load"]
+__all__ = ["MODELS", "Model", "about", "load"]
 
 
 @dataclass(frozen=True)
@@ -27,7 +24,7 @@ class Model:
     title : words for a caption; says so where the model stands in for another
     role : the row of Table 1 that it plays, "" if none
     view : the camera kept for it in `geoweave.viz`
-    build : makes the surface, or None for a scan of that name in `geoweave.datasets`
+    build : makes the surface, or None for a scan of that name in `geoweave.models.datasets`
     """
 
     title: str
@@ -82,12 +79,3 @@ def load(name: str) -> TriMesh:
     build = about(name).build
     mesh = datasets.load(name) if build is None else build()
     return mesh.normalized()[0]
-
-
-def bending(curves: Curves) -> float:
-    """Mean of ``|kappa_g|`` over the length of all curves, times the bounding radius of their mesh: a number.
-
-    It is 0 for geodesics and 1 for curves that turn one radian on a length of one bounding radius.
-    """
-    mean = float(np.average(np.abs(geodesic_curvature(curves)), weights=curves.segment_lengths))
-    return mean * curves.mesh.bounding_radius

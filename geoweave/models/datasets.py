@@ -15,9 +15,9 @@ from pathlib import Path
 import numpy as np
 import pooch
 
+from geoweave.checkout import PACKAGE
 from geoweave.errors import DataError
-from geoweave.mesh import TriMesh
-from geoweave.places import PACKAGE
+from geoweave.surface import TriMesh
 
 VARIABLE = "GEOWEAVE_DATA_DIR"
 
@@ -183,7 +183,7 @@ def fetch(name: str) -> Path:
 
 
 def load(name: str) -> TriMesh:
-    """A named mesh in its own units, mended where its file needs it (`geoweave.prepare`).
+    """A named mesh in its own units, mended where its file needs it (`geoweave.meshing.prepare`).
 
     Raises
     ------
@@ -194,7 +194,7 @@ def load(name: str) -> TriMesh:
     if path.suffix == ".npz":
         with np.load(path, allow_pickle=False) as arrays:
             return TriMesh(arrays["vertices"], arrays["faces"])
-    from geoweave.prepare import read_mesh
+    from geoweave.meshing import read_mesh
 
     return read_mesh(path).mesh
 

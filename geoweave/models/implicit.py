@@ -13,8 +13,8 @@ from skimage.measure import marching_cubes
 
 from geoweave.arrays import Scalars, Triangles, Vectors
 from geoweave.errors import MeshError
-from geoweave.mesh import TriMesh
-from geoweave.remesh import isotropic_remesh
+from geoweave.meshing import isotropic_remesh
+from geoweave.surface import TriMesh
 
 Level = Callable[[Vectors], Scalars]
 """A function of points (..., 3), negative inside."""

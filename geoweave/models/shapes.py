@@ -1,7 +1,7 @@
 """Procedural surfaces with known answers, one for every kind of topology the paper treats.
 
 Flat and round surfaces are laid out in rows of nearly equilateral triangles; the rest are level sets
-(`geoweave.implicit`). None needs a file or a random number.
+(`geoweave.models.implicit`). None needs a file or a random number.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ import numpy as np
 
 from geoweave.arrays import Indices, Scalars, Triangles, Vectors
 from geoweave.errors import MeshError
-from geoweave.implicit import bumpy_box, crown, genus_g, rocker_arm, schwarz_p, vessel
-from geoweave.mesh import TriMesh
+from geoweave.models.implicit import bumpy_box, crown, genus_g, rocker_arm, schwarz_p, vessel
+from geoweave.surface import TriMesh
 
 __all__ = [
     "annulus",

@@ -24,13 +24,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from geoweave.checkout import PACKAGE, package_version
+from geoweave.cli.options import Surface
+from geoweave.cli.weave_command import Asked, woven
 from geoweave.errors import GeoweaveError
-from geoweave.output import OutputError, check_writable, sha256_of, written_together
-from geoweave.outputs import listed_files, text_jobs, write_texts
-from geoweave.places import PACKAGE, package_version
-from geoweave.pools import on_cluster, on_this_machine
-from geoweave.terminal import Surface
-from geoweave.weaving import Asked, woven
+from geoweave.files import OutputError, check_writable, sha256_of, written_together
+from geoweave.pipeline.weave_folder import listed_files, text_jobs, write_texts
+from geoweave.pipeline.workers import on_cluster, on_this_machine
 
 __all__ = ["COLUMNS", "Job", "Row", "folder_names", "jobs_of", "sweep", "table_texts", "weave_one"]
 
@@ -281,7 +281,7 @@ def _key(place: str, surface: Surface, asked: Asked) -> str:
 
 def _content(place: str, name: str) -> str:
     """Digest of a mesh's file; that of a data set is the one of the registry."""
-    from geoweave import datasets
+    from geoweave.models import datasets
 
     if place in datasets.names():
         return datasets.dataset(place).sha256

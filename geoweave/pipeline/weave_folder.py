@@ -10,12 +10,9 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from geoweave.inspection import Inspection, inspected
-from geoweave.output import Job, chosen, written_together
-from geoweave.relaxed import Relaxed
-from geoweave.ribbon_rods import file_of_rods, rods_of_ribbons
-from geoweave.rodfiles import RodFile, rod_text
-from geoweave.woven import Weave
+from geoweave.files import Job, chosen, written_together
+from geoweave.rods import Relaxed, RodFile, file_of_rods, rod_text, rods_of_ribbons
+from geoweave.weave import Inspection, Weave, inspected
 
 __all__ = [
     "DESIGN",
@@ -54,7 +51,7 @@ def check_formats(names: Iterable[str], others: Iterable[str] = ()) -> tuple[str
 
 
 def rod_file(weave: Weave) -> RodFile:
-    """Return a weave as elastic rods in the unit of the weave (`geoweave.ribbon_rods`).
+    """Return a weave as elastic rods in the unit of the weave (`geoweave.rods.from_ribbons`).
 
     Young's modulus and density are the defaults of the rods; the file does not say which ribbon lies above.
     """

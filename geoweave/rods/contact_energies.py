@@ -1,7 +1,7 @@
 """The energies of contacts between rods, as sums of squares (Appendix E.2).
 
 A crossing holds its two rods a thickness apart and their thickness directions parallel. Both energies are
-`geoweave.rod_energies.Term` values.
+`geoweave.rods.elastic_energies.Term` values.
 """
 
 from __future__ import annotations
@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
-from geoweave.rod_energies import Table, Term, hat, outer, point_unknowns, twice
-from geoweave.rods import Rods, cross
+from geoweave.rods.elastic_energies import Table, Term, hat, outer, point_unknowns, twice
+from geoweave.rods.rods import Rods, cross
 
 __all__ = ["ORIENTATION", "contact_orientation", "contact_position"]
 

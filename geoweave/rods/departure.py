@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoweave.arrays import Flags, Scalars, Vectors, frozen
-from geoweave.closest import closest_points, segment_tree, triangle_tree
-from geoweave.mesh import TriMesh
-from geoweave.rodfiles import RodError
-from geoweave.rods import Rods
+from geoweave.rods.rod_file import RodError
+from geoweave.rods.rods import Rods
+from geoweave.surface import TriMesh, closest_points, segment_tree, triangle_tree
 
 __all__ = ["Departure", "Distances", "departure", "fitted", "held", "rigid_fit", "vertex_weights"]
 

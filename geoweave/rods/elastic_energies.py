@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
-from geoweave.rods import Layout, Rods, cross
+from geoweave.rods.rods import Layout, Rods, cross
 
 __all__ = [
     "Table",

@@ -3,7 +3,7 @@
 Both are found by Gauss-Newton steps with a line search, and by Newton steps once the second derivative is
 positive definite. A step moves vertices and turns sections; the line search evaluates it on rods whose
 directors have been parallel-transported onto the new segments, as the paper asks, because the energies of
-`geoweave.rod_energies` are only ever taken on such rods.
+`geoweave.rods.elastic_energies` are only ever taken on such rods.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geoweave.arrays import Flags, Vectors
-from geoweave.linalg import one_blas_thread
-from geoweave.rod_energies import Term
-from geoweave.rod_matrix import Pattern
-from geoweave.rod_steps import DAMPING, NEAR, NEWTON, Problem, Stepping
-from geoweave.rods import Rods
+from geoweave.rods.elastic_energies import Term
+from geoweave.rods.hessian import Pattern
+from geoweave.rods.rods import Rods
+from geoweave.rods.steps import DAMPING, NEAR, NEWTON, Problem, Stepping
+from geoweave.sparse import one_blas_thread
 
 __all__ = ["Equilibrium", "Step", "Stepping", "minimized"]
 

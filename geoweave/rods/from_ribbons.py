@@ -17,12 +17,10 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import KDTree
 
-from geoweave import interlacing
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
-from geoweave.interlacing import Crossings
-from geoweave.ribbons import Ribbons
-from geoweave.rodfiles import Rod, RodCrossing, RodError, RodFile
-from geoweave.rods import Contacts, Layout, Material, Rods, carried
+from geoweave.rods.rod_file import Rod, RodCrossing, RodError, RodFile
+from geoweave.rods.rods import Contacts, Layout, Material, Rods, carried
+from geoweave.weave import Crossings, Ribbons, interlacing
 
 __all__ = ["FINENESS", "ends_on", "file_of_rods", "rods_of_file", "rods_of_polylines", "rods_of_ribbons"]
 
@@ -153,7 +151,7 @@ def rods_of_file(
 
     Parameters
     ----------
-    file : what `geoweave.rodfiles.read_rods` returns
+    file : what `geoweave.rods.rod_file.read_rods` returns
     over : (C,) 0 or 1: which rod of each crossing lies above; a file does not say. If not given, the choice
         that alternates most often
     poisson : Poisson's ratio, which is not in the file either

@@ -9,10 +9,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from geoweave import cholesky
 from geoweave.arrays import Flags, Indices, Scalars
-from geoweave.linalg import nested_dissection
-from geoweave.rod_energies import Table, Term
+from geoweave.rods.elastic_energies import Table, Term
+from geoweave.sparse import cholesky, nested_dissection
 
 __all__ = ["Pattern", "analysed"]
 

@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import GeoweaveError
-from geoweave.interlacing import Crossings
-from geoweave.output import replacing
+from geoweave.files import replacing
+from geoweave.weave import Crossings
 
 __all__ = [
     "MAGIC",
@@ -195,7 +195,7 @@ class RodFile:
                 raise RodError(f"crossing {number} {problem}; correct or remove it")
 
     def placed(self) -> Crossings:
-        """Return the crossings by rod and arclength, as `geoweave.interlacing` takes them."""
+        """Return the crossings by rod and arclength, as `geoweave.weave.interlacing` takes them."""
         ends = [np.concatenate([[0.0], np.cumsum(rod.lengths)]) for rod in self.rods]
         arclengths = [
             [

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
-from geoweave.rodfiles import RodError
+from geoweave.rods.rod_file import RodError
 
 __all__ = ["Contacts", "Layout", "Material", "Rods", "carried", "cross"]
 

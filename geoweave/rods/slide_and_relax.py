@@ -9,15 +9,14 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geoweave import rod_matrix
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
-from geoweave.closest import BoxTree, closest_points, triangle_tree
-from geoweave.contact_energies import ORIENTATION, contact_orientation, contact_position
-from geoweave.equilibrium import Equilibrium, Step, Stepping, minimized
-from geoweave.mesh import TriMesh
-from geoweave.rod_energies import Term, elastic_terms, sliding
-from geoweave.rodfiles import RodError
-from geoweave.rods import Contacts, Rods
+from geoweave.rods import hessian
+from geoweave.rods.contact_energies import ORIENTATION, contact_orientation, contact_position
+from geoweave.rods.elastic_energies import Term, elastic_terms, sliding
+from geoweave.rods.equilibrium import Equilibrium, Step, Stepping, minimized
+from geoweave.rods.rod_file import RodError
+from geoweave.rods.rods import Contacts, Rods
+from geoweave.surface import BoxTree, TriMesh, closest_points, triangle_tree
 
 __all__ = ["Springs", "relax", "relaxing_terms", "slide"]
 
@@ -298,7 +297,7 @@ def relax(
         load = vertex_masses(rods)[:, None] * pull
     stiff, numbers = springs or Springs(), stepping or Stepping()
     terms = relaxing_terms(rods, stiff)
-    pattern = rod_matrix.analysed(rods.size, terms, held)
+    pattern = hessian.analysed(rods.size, terms, held)
     edgewise = float((rods.material.edgewise(rods.widths) / rods.rest).mean())
     soft = replace(stiff, orientation=min(SOFT * edgewise, stiff.orientation))
     harder = stiff.orientation / soft.orientation

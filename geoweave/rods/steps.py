@@ -1,6 +1,6 @@
 """Steps that lower the energy of elastic rods: linear systems, line search, rigid motions (Appendix E).
 
-`geoweave.equilibrium` repeats them until the forces balance.
+`geoweave.rods.equilibrium` repeats them until the forces balance.
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from geoweave import cholesky, rod_matrix
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.errors import FieldError
-from geoweave.rod_energies import Table, Term
-from geoweave.rod_matrix import Pattern
-from geoweave.rodfiles import RodError
-from geoweave.rods import Rods, cross
+from geoweave.rods import hessian
+from geoweave.rods.elastic_energies import Table, Term
+from geoweave.rods.hessian import Pattern
+from geoweave.rods.rod_file import RodError
+from geoweave.rods.rods import Rods, cross
+from geoweave.sparse import cholesky
 
 __all__ = ["DAMPING", "NEAR", "NEWTON", "Problem", "State", "Stepping", "Taken", "Trial"]
 
@@ -122,7 +123,7 @@ class Problem:
         pattern: Pattern | None,
     ) -> None:
         self.terms, self.load, self.start = terms, load, rods.points
-        self.pattern = pattern or rod_matrix.analysed(rods.size, terms, fixed)
+        self.pattern = pattern or hessian.analysed(rods.size, terms, fixed)
         self.fixed = fixed
         size = float(rods.rest.mean())
         angle = np.arange(rods.size) >= 3 * rods.layout.vertices

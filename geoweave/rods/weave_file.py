@@ -12,10 +12,9 @@ import numpy as np
 
 from geoweave.arrays import Scalars, Vectors, frozen
 from geoweave.errors import GeoweaveError
-from geoweave.interlacing import Crossings
-from geoweave.ribbon_rods import FINENESS, rods_of_polylines
-from geoweave.rods import Material, Rods
-from geoweave.woven import FORMAT, VERSION
+from geoweave.rods.from_ribbons import FINENESS, rods_of_polylines
+from geoweave.rods.rods import Material, Rods
+from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, Crossings
 
 __all__ = ["WeaveFileError", "WovenRods", "at_rest", "read_weave", "rods_of_document"]
 
@@ -55,11 +54,11 @@ def read_weave(path: str | PathLike[str]) -> dict[str, Any]:
         raise WeaveFileError(
             f"{name}: is not JSON ({error}); write it again with 'geoweave weave'"
         ) from error
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
+    if not isinstance(document, dict) or document.get("format") != WEAVE_FORMAT:
         raise WeaveFileError(f"{name}: is not a weave; give a weave.json of 'geoweave weave'")
-    if document.get("version") != VERSION:
+    if document.get("version") != WEAVE_VERSION:
         raise WeaveFileError(
-            f"{name}: is of version {document.get('version')}, and {VERSION} is what is read here; "
+            f"{name}: is of version {document.get('version')}, and {WEAVE_VERSION} is what is read here; "
             "write it again with this 'geoweave weave'"
         )
     return document

@@ -13,8 +13,8 @@ from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars
 from geoweave.compiled import compiled
-from geoweave.elimination import Matrix, Symbolic, analysed, upper_triangle
 from geoweave.errors import GeoweaveError
+from geoweave.sparse.symbolic import Matrix, Symbolic, analysed, upper_triangle
 
 __all__ = ["NotDefiniteError", "Symbolic", "analysed", "factor", "solve"]
 

@@ -18,9 +18,9 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 from threadpoolctl import ThreadpoolController
 
-from geoweave import cholesky
 from geoweave.arrays import Flags, Indices, Scalars
 from geoweave.errors import GeoweaveError
+from geoweave.sparse import cholesky
 
 SparseMatrix: TypeAlias = sparse.csr_array | sparse.csc_array | sparse.dia_array
 """A square sparse matrix in a format that is fast to read by rows or columns."""
@@ -224,7 +224,7 @@ def factorized(matrix: SparseMatrix, ordering: Ordering | Analysis) -> Factoriza
     ordering : elimination order of the same pattern, or an analysis of it; where the matrix has another
         pattern than the one analysed, by entries that cancelled, only the order is used
 
-    Large real matrices go to `geoweave.cholesky`, several times faster on them but compiled on first use;
+    Large real matrices go to our Cholesky, several times faster on them but compiled on first use;
     small ones, complex ones, and all where METIS is missing, go to SuperLU.
 
     Raises

@@ -48,7 +48,7 @@ class TriMesh:
     """An oriented manifold triangle mesh, the surface T of Section 4.
 
     Any genus, any number of boundary loops and components. Construction checks that the arrays
-    describe such a surface; `geoweave.prepare` mends files that do not.
+    describe such a surface; `geoweave.meshing.prepare` mends files that do not.
 
     Attributes
     ----------
@@ -276,7 +276,7 @@ class TriMesh:
         """Number of independent closed fields that are no gradient, over all components."""
         return int(self.betti_numbers.sum())
 
-    # -- signs of odd values: all +1 here, see `geoweave.twist` -------------------------------------------
+    # -- signs of odd values: all +1 here, see `sign_bundle` -------------------------------------------
 
     @cached_property
     def corner_signs(self) -> Scalars:
@@ -413,7 +413,7 @@ class TriMesh:
     # -- new meshes -------------------------------------------------------------------------------------
 
     def restricted(self, faces: Indices, vertices: Vectors, corners: Triangles) -> TriMesh:
-        """Build the mesh of some of the faces with these vertices at their corners (see `geoweave.part`)."""
+        """Build the mesh of some of the faces with these vertices at their corners (see `submesh`)."""
         return TriMesh(vertices, corners)
 
     def normalized(self) -> tuple[TriMesh, Similarity]:

@@ -1,6 +1,6 @@
 """Surfaces whose fields, forms and potentials are odd: they change sign on the way round some loops.
 
-The quotient of a branched cover by its antipodes is one (`geoweave.cover`). Opposite vectors are one vector
+The quotient of a branched cover by its antipodes is one (`weave.cover`). Opposite vectors are one vector
 there, up to a sign that each face chooses for itself; a flat bundle of signs keeps the account. The operators
 read it from the mesh, so that Part 1 of the paper runs on such a surface as on any other.
 """
@@ -16,7 +16,7 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, Triangles, Vectors, frozen
 from geoweave.errors import MeshError
-from geoweave.mesh import TriMesh
+from geoweave.surface.mesh import TriMesh
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices
 from geoweave.errors import MeshError
-from geoweave.mesh import TriMesh
+from geoweave.surface.mesh import TriMesh
 
 
 @dataclass(frozen=True, eq=False)

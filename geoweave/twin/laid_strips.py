@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from geoweave import interlacing, linalg
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
-from geoweave.interlacing import Crossings
-from geoweave.pattern import Pattern
-from geoweave.rodfiles import RodError
-from geoweave.rods import Contacts, Layout, Material, Rods
-from geoweave.twin_start import crossing_normals
-from geoweave.twin_surface import PatternSurface
+from geoweave.fabrication import Pattern
+from geoweave.rods import Contacts, Layout, Material, RodError, Rods
+from geoweave.sparse import factorization
+from geoweave.twin.pattern_surface import PatternSurface
+from geoweave.twin.placement import crossing_normals
+from geoweave.weave import Crossings, interlacing
 
 __all__ = ["PIECES", "Cut", "LaidStrips", "cut", "laid"]
 
@@ -113,7 +112,7 @@ def laid(surface: PatternSurface, points: Vectors, unit: float | None = None) ->
     )
     normals = crossing_normals(surface, points)
     goal = np.repeat(np.concatenate([points, normals], axis=1), 2, axis=0)
-    fit = linalg.factorized(matrix, linalg.nested_dissection(matrix)).solve(meet.T @ goal)
+    fit = factorization.factorized(matrix, factorization.nested_dissection(matrix)).solve(meet.T @ goal)
     line, up = fit[:, :3], fit[:, 3:]
     line = line - line.mean(axis=0)
     # Tails left out, this is as near as can be to the bounding radius of the surface it was made for.

@@ -24,7 +24,7 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
-from geoweave.pattern import Pattern
+from geoweave.fabrication import Pattern
 
 __all__ = ["Chords", "PatternSurface", "Slip", "surface_of"]
 

@@ -16,10 +16,10 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import eigsh
 
-from geoweave import linalg
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
-from geoweave.twin_surface import PatternSurface
+from geoweave.sparse import factorization
+from geoweave.twin.pattern_surface import PatternSurface
 
 __all__ = [
     "SMOOTHING",
@@ -279,10 +279,10 @@ class _Springs:
         blocks = (self.of_springs, self.of_triples)
         rows = np.concatenate([*(np.repeat(own, own.shape[1], axis=1).ravel() for own in blocks), every])
         columns = np.concatenate([*(np.tile(own, own.shape[1]).ravel() for own in blocks), every])
-        self.sum = linalg.Assembly(rows, columns, 3 * count)
+        self.sum = factorization.Assembly(rows, columns, 3 * count)
         pattern = self.sum(np.ones(len(rows)))
         nodes = sparse.csr_array(pattern[::3, ::3])
-        self.analysis = linalg.analysed(pattern, linalg.nested_dissection(nodes).repeated(3))
+        self.analysis = factorization.analysed(pattern, factorization.nested_dissection(nodes).repeated(3))
 
     def stretched(self, points: Vectors) -> tuple[Vectors, Scalars, Scalars]:
         """Unit directions of the springs, their lengths and their residuals."""
@@ -324,7 +324,7 @@ class _Springs:
             while damping < 1e6:
                 extra = np.full(3 * self.count, damping * self.unit)
                 matrix = self.sum(np.concatenate([block.ravel(), bending, extra]))
-                step = linalg.factorized(matrix, self.analysis).solve(force)
+                step = factorization.factorized(matrix, self.analysis).solve(force)
                 trial = points - step.reshape(-1, 3)
                 reached = self.energy(trial, roots)
                 if reached < energy:

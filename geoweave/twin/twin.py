@@ -17,18 +17,25 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
-from geoweave.closest import closest_points, segment_tree
-from geoweave.departure import Distances, rigid_fit, vertex_weights
-from geoweave.equilibrium import Equilibrium, Step, Stepping
 from geoweave.errors import FieldError
-from geoweave.pattern import Pattern
-from geoweave.relaxation import Springs, relax
-from geoweave.relaxed import vertex_normals
-from geoweave.rods import Rods
-from geoweave.twin_rods import LaidStrips, laid
-from geoweave.twin_start import has_outside, net_of, outward, placed
-from geoweave.twin_surface import PatternSurface, surface_of
-from geoweave.weavefiles import at_rest
+from geoweave.fabrication import Pattern
+from geoweave.rods import (
+    Distances,
+    Equilibrium,
+    Rods,
+    Springs,
+    Step,
+    Stepping,
+    at_rest,
+    relax,
+    rigid_fit,
+    vertex_normals,
+    vertex_weights,
+)
+from geoweave.surface import closest_points, segment_tree
+from geoweave.twin.laid_strips import LaidStrips, laid
+from geoweave.twin.pattern_surface import PatternSurface, surface_of
+from geoweave.twin.placement import has_outside, net_of, outward, placed
 
 __all__ = ["COMES_BACK", "STEPPING", "Likeness", "Twin", "assembled"]
 

@@ -12,8 +12,8 @@ from PIL import Image
 
 from geoweave.arrays import Indices
 from geoweave.errors import RenderError
-from geoweave.mesh import TriMesh
 from geoweave.rods import Rods
+from geoweave.surface import TriMesh
 from geoweave.viz.rods import Sprung
 from geoweave.viz.scene import Pixels, Scene, View
 

@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from geoweave.arrays import Indices, Scalars
 from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import RenderError
-from geoweave.mesh import TriMesh
+from geoweave.surface import TriMesh
 from geoweave.viz import style
 from geoweave.viz.layout import caption, place
 from geoweave.viz.picture import Picture, sheet

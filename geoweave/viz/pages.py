@@ -14,13 +14,21 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from PIL import Image
 
-from geoweave.drawing_pdf import FOOT, MARGIN, PAPERS, Paper, write_pdf
 from geoweave.errors import RenderError
-from geoweave.flatdrawing import drawn
-from geoweave.inks import Colours
-from geoweave.nesting import Laid, Sheet
-from geoweave.pattern import Pattern
-from geoweave.pieces import Making, pieces_of
+from geoweave.fabrication import (
+    FOOT,
+    MARGIN,
+    PAPERS,
+    Colours,
+    Laid,
+    Making,
+    Paper,
+    Pattern,
+    Sheet,
+    drawn,
+    pieces_of,
+    write_pdf,
+)
 from geoweave.viz import style
 from geoweave.viz.scene import Pixels
 

@@ -16,11 +16,10 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, to_h
 from matplotlib.figure import Figure
 
 from geoweave.arrays import Indices, Vectors
-from geoweave.circle import TURN, CircleFunction
 from geoweave.curves import Curves
 from geoweave.errors import RenderError
-from geoweave.mesh import TriMesh
-from geoweave.part import Part
+from geoweave.foliation import TURN, CircleFunction
+from geoweave.surface import Part, TriMesh
 from geoweave.viz import style
 from geoweave.viz.gallery import VIEWS
 from geoweave.viz.layout import grid

@@ -1,6 +1,6 @@
 """A picture of one triangle, drawn off-screen in a child process to learn whether rendering works here.
 
-VTK may end the whole process by a signal where no graphics library is found, so ``geoweave.doctor`` runs
+VTK may end the whole process by a signal where no graphics library is found, so ``geoweave doctor`` runs
 ``python -m geoweave.viz.probe`` as a child and reads one JSON object from its standard output.
 """
 

@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from geoweave.checkout import figures_folder, package_version
 from geoweave.errors import RenderError
-from geoweave.mesh import TriMesh
-from geoweave.output import replacing
-from geoweave.places import figures_folder, package_version
+from geoweave.files import replacing
+from geoweave.surface import TriMesh
 from geoweave.viz.picture import Picture
 
 LARGEST = 1_000_000

@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from geoweave.arrays import Indices, Scalars, Vectors
-from geoweave.departure import rigid_fit, vertex_weights
 from geoweave.errors import RenderError
-from geoweave.mesh import TriMesh
-from geoweave.relaxed import Relaxed
-from geoweave.rods import Rods
+from geoweave.rods import Relaxed, Rods, rigid_fit, vertex_weights
+from geoweave.surface import TriMesh
 from geoweave.viz import style
 from geoweave.viz.gallery import FOOT, VIEWS, Scale, colour_bars
 from geoweave.viz.layout import grid

@@ -15,7 +15,7 @@ from PIL import Image, ImageFilter
 from geoweave.arrays import Scalars, Vectors
 from geoweave.curves import Curves
 from geoweave.errors import RenderError
-from geoweave.mesh import Similarity, TriMesh
+from geoweave.surface import Similarity, TriMesh
 from geoweave.viz import style
 
 Pixels = NDArray[np.uint8]

@@ -13,13 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from geoweave.alignment import deviation
 from geoweave.arrays import Indices, Scalars
-from geoweave.compared import TITLES, Integration
+from geoweave.comparisons import TITLES, Integration
 from geoweave.curves import Curves, lifted
 from geoweave.errors import RenderError
-from geoweave.isolines import isolines
-from geoweave.mesh import TriMesh
+from geoweave.foliation import deviation, isolines
+from geoweave.surface import TriMesh
 from geoweave.viz import style
 from geoweave.viz.gallery import VIEWS, Scale
 from geoweave.viz.layout import grid

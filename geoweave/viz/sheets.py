@@ -7,17 +7,16 @@ from matplotlib.colors import to_hex, to_rgb
 from scipy.spatial import KDTree
 
 from geoweave.arrays import Flags, Indices
-from geoweave.cover import Cover
 from geoweave.curves import Curves
 from geoweave.errors import RenderError
-from geoweave.integration import Foliation
-from geoweave.mesh import TriMesh
-from geoweave.part import part_of
-from geoweave.rosy import RoSyField
+from geoweave.fields import RoSyField
+from geoweave.foliation import Foliation
+from geoweave.surface import TriMesh, part_of
 from geoweave.viz import style
 from geoweave.viz.gallery import VIEWS
 from geoweave.viz.scene import Scene, View
 from geoweave.viz.vectors import Arrows, Lines
+from geoweave.weave import Cover
 
 PALE = 0.42
 """Share of white in the colour of a vector whose opposite has the full colour."""

@@ -24,8 +24,7 @@ from geoweave.arrays import Flags, Scalars, Vectors
 from geoweave.curves import Curves
 from geoweave.errors import RenderError
 from geoweave.fields import FaceField
-from geoweave.mesh import TriMesh
-from geoweave.part import part_of
+from geoweave.surface import TriMesh, part_of
 from geoweave.viz import style
 from geoweave.viz.gallery import Scale
 from geoweave.viz.picture import Picture, sheet

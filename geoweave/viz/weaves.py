@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.errors import RenderError
-from geoweave.mesh import TriMesh
+from geoweave.surface import TriMesh
 from geoweave.viz import style
 from geoweave.viz.gallery import VIEWS
 from geoweave.viz.layout import gallery

@@ -14,15 +14,11 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, Triangles, frozen
-from geoweave.circle import CircleFunction
 from geoweave.curves import Curves
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.integration import Foliation
-from geoweave.mesh import TriMesh
-from geoweave.part import Part, part_of
-from geoweave.rosy import RoSyField
-from geoweave.twist import TwistedMesh
+from geoweave.fields import FaceField, RoSyField
+from geoweave.foliation import CircleFunction, Foliation
+from geoweave.surface import Part, TriMesh, TwistedMesh, part_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,21 +9,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geoweave import interlacing
 from geoweave.arrays import Indices, Scalars, frozen
-from geoweave.cover import Cover, branched_cover
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
-from geoweave.integration import LEAST_FIRST, Foliation, foliate, global_scale, punctured
-from geoweave.isolines import isolines
-from geoweave.linalg import Ordering
-from geoweave.mesh import Similarity, TriMesh
-from geoweave.rescaling import integrating_factor, vertices_and_faces
-from geoweave.ribbons import Cutting, Ribbons, ribbons
-from geoweave.rosy import smoothest_rosy
-from geoweave.scales import TRIES, nearest_scale
-from geoweave.woven import THINNESS, Weave, default_width, family_count, labels
+from geoweave.fields import INTEGRABLE_END, FaceField, geodesic_field, sharpening_schedule, smoothest_rosy
+from geoweave.foliation import (
+    LEAST_FIRST,
+    Foliation,
+    foliate,
+    global_scale,
+    integrating_factor,
+    isolines,
+    punctured,
+    vertices_and_faces,
+)
+from geoweave.sparse import Ordering
+from geoweave.surface import Similarity, TriMesh
+from geoweave.weave import interlacing
+from geoweave.weave.cover import Cover, branched_cover
+from geoweave.weave.ribbon_count import TRIES, nearest_scale
+from geoweave.weave.ribbons import Cutting, Ribbons, ribbons
+from geoweave.weave.weave import THINNESS, Weave, default_width, family_count, labels
 
 __all__ = ["MOST_CROSSINGS", "Weave", "WeaveField", "labels", "weave_field", "weave_pattern"]
 

@@ -15,13 +15,13 @@ from scipy.sparse import csgraph
 from scipy.spatial import cKDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
-from geoweave.closest import BoxTree, nearest, segment_tree
 from geoweave.compiled import compiled
 from geoweave.curves import Curves
 from geoweave.errors import FieldError
-from geoweave.fitting import Neighbours
-from geoweave.validity import violations
-from geoweave.woven import Weave
+from geoweave.surface import BoxTree, nearest, segment_tree
+from geoweave.weave.validity import violations
+from geoweave.weave.weave import Weave
+from geoweave.weave.widths import Neighbours
 
 __all__ = ["FORMAT", "KINDS", "VERSION", "Inspection", "Limits", "Place", "inspected"]
 
@@ -113,7 +113,7 @@ class Inspection:
     widths : (share, width) up to which width a share of the neighbouring crossings fits, in that unit
     share_that_fits : of the neighbouring crossings at the width of the weave, 1 where there are none
     places : those that will not weave, by kind, the worst first
-    violations : rules of a valid weave that it breaks (`geoweave.validity`), nothing for a valid one
+    violations : rules of a valid weave that it breaks (`geoweave.weave.validity`), nothing for a valid one
     """
 
     weave: Weave

@@ -3,7 +3,7 @@
 A ribbon should go over and under in turn. That is a wish about two labels: with ``x_c`` the place, 0 or 1,
 of the upper ribbon among the two of crossing c, a ribbon that is number s of crossing c and then number t of
 crossing d alternates between them exactly when ``x_c ^ x_d == 1 ^ s ^ t``. The paper colours the crossings
-greedily; `optimal` finds the best labels with a proof (geoweave.parity).
+greedily; `optimal` finds the best labels with a proof (geoweave.weave.best_labels).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from scipy.spatial import KDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import GeoweaveError
-from geoweave.parity import best_labels
+from geoweave.weave.best_labels import best_labels
 
 TIME_LIMIT = 60.0
 """Seconds after which the proof of an optimum ends; its effort is counted, so this is a guard only."""
@@ -248,7 +248,7 @@ def greedy(crossings: Crossings, seed: int = 0) -> Interlacing:
 def optimal(crossings: Crossings, time_limit: float = TIME_LIMIT) -> Interlacing:
     """The sides that break the fewest relations, and of these the ones that interleave the most triangles.
 
-    Solved exactly by `geoweave.parity.best_labels`; when the time limit (seconds) strikes, the best found
+    Solved exactly by `best_labels`; when the time limit (seconds) strikes, the best found
     with a valid bound. Crossings of the same two ribbons within a ribbon's width should be `merged` first.
     The paper leaves the choice among assignments, and interleaving, to future work (Section 6).
     """

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from geoweave import interlacing
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
-from geoweave.curves import Curves, geodesic_curvature
+from geoweave.curves import Crossings, Curves, crossings, geodesic_curvature, straightest, taken
 from geoweave.errors import FieldError
-from geoweave.straightest import Crossings, crossings, straightest, taken
+from geoweave.weave import interlacing
 
 PARALLEL = np.cos(np.radians(20.0))
 """Cosine of the angle up to which two curves run along each other."""

@@ -8,8 +8,8 @@ from scipy.spatial import cKDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.curves import Curves
-from geoweave.mesh import TriMesh
-from geoweave.ribbons import Ribbons
+from geoweave.surface import TriMesh
+from geoweave.weave.ribbons import Ribbons
 
 __all__ = ["violations"]
 

@@ -12,15 +12,15 @@ import numpy as np
 from geoweave.arrays import Indices, Scalars
 from geoweave.curves import geodesic_curvature
 from geoweave.errors import FieldError
-from geoweave.integration import Foliation
-from geoweave.interlacing import Crossings, Interlacing, greedy
-from geoweave.mesh import Similarity, TriMesh
-from geoweave.output import replacing
-from geoweave.ribbons import Ribbons
+from geoweave.files import replacing
+from geoweave.foliation import Foliation
+from geoweave.surface import Similarity, TriMesh
+from geoweave.weave.interlacing import Crossings, Interlacing, greedy
+from geoweave.weave.ribbons import Ribbons
 
-__all__ = ["FORMAT", "VERSION", "Units", "Weave", "default_width", "family_count", "labels"]
+__all__ = ["WEAVE_FORMAT", "WEAVE_VERSION", "Units", "Weave", "default_width", "family_count", "labels"]
 
-FORMAT, VERSION = "geoweave-weave", 1
+WEAVE_FORMAT, WEAVE_VERSION = "geoweave-weave", 1
 """What the first lines of ``weave.json`` say."""
 
 Units: TypeAlias = Literal["mesh", "mm"]
@@ -176,8 +176,8 @@ class Weave:
         points, normals = place(curves.points), curves.normals
         names = self.names
         return {
-            "format": FORMAT,
-            "version": VERSION,
+            "format": WEAVE_FORMAT,
+            "version": WEAVE_VERSION,
             "units": self.units,
             "symmetry": self.symmetry,
             "scale": self.scale,

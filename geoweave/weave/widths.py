@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from geoweave import interlacing
 from geoweave.arrays import Scalars
-from geoweave.woven import Weave
+from geoweave.weave import interlacing
+from geoweave.weave.weave import Weave
 
 __all__ = ["Neighbours", "widths_that_fit"]
 

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from geoweave import runner
-from geoweave.claims import ClaimError, ours, read, table
+from geoweave.artifact import figures
+from geoweave.artifact.claims import ClaimError, ours, read, table
 from geoweave.errors import GeoweaveError
 
 ENTRY = """
@@ -52,18 +52,18 @@ def test_the_table_shows_what_can_be_compared(tmp_path):
 def test_it_is_written_between_its_marks(tmp_path):
     root = checkout(tmp_path, ENTRY)
     page = root / "README.md"
-    page.write_text("before\n" + runner.CLAIMS[0] + "\nold\n" + runner.CLAIMS[1] + "\nafter\n")
-    runner.report_claims(root)
+    page.write_text("before\n" + figures.CLAIMS[0] + "\nold\n" + figures.CLAIMS[1] + "\nafter\n")
+    figures.report_claims(root)
     once = page.read_text()
-    runner.report_claims(root)
+    figures.report_claims(root)
     assert page.read_text() == once
     assert once.startswith("before\n")
-    assert once.endswith(runner.CLAIMS[1] + "\nafter\n")
+    assert once.endswith(figures.CLAIMS[1] + "\nafter\n")
     assert "2.0 s for cow" in once
     assert "old" not in once
     page.write_text("no marks")
     with pytest.raises(GeoweaveError, match=r"README\.md must hold"):
-        runner.report_claims(root)
+        figures.report_claims(root)
 
 
 @pytest.mark.parametrize(

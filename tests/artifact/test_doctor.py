@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from geoweave import datasets, doctor
+from geoweave.artifact import doctor
 from geoweave.errors import RenderError
+from geoweave.models import datasets
 
 CRASH = ("-c", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
 HANG = ("-c", "import time; time.sleep(60)")
@@ -110,6 +111,9 @@ def test_a_wrong_data_folder_is_advice_not_a_crash(monkeypatch: pytest.MonkeyPat
 
 
 def test_the_doctor_imports_no_renderer() -> None:
-    code = "import sys, geoweave.doctor; print({'pyvista', 'vtkmodules', 'matplotlib'} & set(sys.modules))"
+    code = (
+        "import sys, geoweave.artifact.doctor;"
+        "print({'pyvista', 'vtkmodules', 'matplotlib'} & set(sys.modules))"
+    )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out.strip() == "set()"

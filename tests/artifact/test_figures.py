@@ -12,14 +12,14 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 
-from geoweave import runner
+from geoweave.artifact import figures
+from geoweave.artifact.notebooks import NotebookError
 from geoweave.errors import GeoweaveError
-from geoweave.notebooks import NotebookError
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 
 WRITES = """
-from geoweave.places import figures_folder
+from geoweave.checkout import figures_folder
 folder = figures_folder(profile)
 folder.mkdir(parents=True, exist_ok=True)
 with (folder / "fig00.csv").open("w") as file:
@@ -62,14 +62,14 @@ def files(root: Path) -> dict[str, bytes]:
     }
 
 
-def states(results: list[runner.Result]) -> dict[str, str]:
+def states(results: list[figures.Result]) -> dict[str, str]:
     return {result.name: result.state for result in results}
 
 
 def test_only_what_is_stale_is_executed_again(checkout: Path) -> None:
     write(checkout, "fig00", WRITES, "1 + 1")
     write(checkout, "other", "'nothing'")
-    first = runner.run(root=checkout, jobs=2)
+    first = figures.run(root=checkout, jobs=2)
     assert states(first) == {"fig00": "done", "other": "done"}
     assert first[0].figures == ("fig00.csv",)
     assert first[0].seconds > 0
@@ -78,40 +78,40 @@ def test_only_what_is_stale_is_executed_again(checkout: Path) -> None:
     before = files(checkout)
     assert before["figures/fig00.csv"] == b"faces\n10\n"
 
-    assert states(runner.run(root=checkout)) == {"fig00": "fresh", "other": "fresh"}
+    assert states(figures.run(root=checkout)) == {"fig00": "fresh", "other": "fresh"}
     assert files(checkout) == before
 
     # A figure that was lost or changed comes back from the stored result, without an execution.
     (checkout / "figures" / "fig00.csv").write_text("edited by hand")
-    assert states(runner.run(["fig00"], root=checkout)) == {"fig00": "fresh"}
+    assert states(figures.run(["fig00"], root=checkout)) == {"fig00": "fresh"}
     assert files(checkout) == before
 
     write(checkout, "fig00", WRITES, "1 + 1", values="faces = 11")
-    assert states(runner.run(root=checkout)) == {"fig00": "done", "other": "fresh"}
+    assert states(figures.run(root=checkout)) == {"fig00": "done", "other": "fresh"}
     assert (checkout / "figures" / "fig00.csv").read_text() == "faces\n11\n"
 
 
 def test_the_digest_sees_what_matters_and_nothing_else(checkout: Path) -> None:
     write(checkout, "fig00", WRITES)
-    base = runner.digest(checkout, "fig00", "default")
+    base = figures.digest(checkout, "fig00", "default")
     notebook = nbformat.read(checkout / "notebooks" / "fig00.ipynb", 4)
     notebook.cells[1].execution_count = 7
     nbformat.write(notebook, checkout / "notebooks" / "fig00.ipynb")
-    (checkout / "geoweave" / "cli.py").write_text("# the command draws no figure\n")
-    assert runner.digest(checkout, "fig00", "default") == base
+    (checkout / "geoweave" / "cli" / "main.py").write_text("# the command draws no figure\n")
+    assert figures.digest(checkout, "fig00", "default") == base
     (checkout / "geoweave" / "fields").mkdir(exist_ok=True)
     (checkout / "geoweave" / "fields" / "cli.py").write_text("# a file of that name elsewhere counts\n")
-    assert runner.digest(checkout, "fig00", "default") != base
+    assert figures.digest(checkout, "fig00", "default") != base
     (checkout / "geoweave" / "fields" / "cli.py").unlink()
-    assert runner.digest(checkout, "fig00", "default") == base
-    seen = {base, runner.digest(checkout, "fig00", "paper")}
+    assert figures.digest(checkout, "fig00", "default") == base
+    seen = {base, figures.digest(checkout, "fig00", "paper")}
     (checkout / "geoweave" / "new.py").write_text("x = 1\n")
-    seen.add(runner.digest(checkout, "fig00", "default"))
+    seen.add(figures.digest(checkout, "fig00", "default"))
     with (checkout / "requirements.lock").open("a") as lock:
         lock.write("new==1.0\n")
-    seen.add(runner.digest(checkout, "fig00", "default"))
+    seen.add(figures.digest(checkout, "fig00", "default"))
     write(checkout, "fig00", WRITES, "2")
-    seen.add(runner.digest(checkout, "fig00", "default"))
+    seen.add(figures.digest(checkout, "fig00", "default"))
     assert len(seen) == 5
 
 
@@ -119,11 +119,11 @@ def test_a_failure_says_where_and_leaves_the_figures_alone(
     checkout: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     write(checkout, "fig00", WRITES)
-    runner.run(root=checkout)
+    figures.run(root=checkout)
     before = files(checkout)["figures/fig00.csv"]
     write(checkout, "fig00", WRITES, 'assert faces == 10, "first\\nthe claim"', values="faces = 12")
     capsys.readouterr()
-    (result,) = runner.run(root=checkout)
+    (result,) = figures.run(root=checkout)
     assert result.state == "failed"
     assert "cell In[3]" in result.problem
     assert "the claim" in result.problem
@@ -134,13 +134,13 @@ def test_a_failure_says_where_and_leaves_the_figures_alone(
     assert not list((checkout / "build").glob("running-*"))
 
     write(checkout, "fig00", WRITES)
-    assert states(runner.run(root=checkout, force=True)) == {"fig00": "done"}
+    assert states(figures.run(root=checkout, force=True)) == {"fig00": "done"}
     assert not kept.exists()
 
 
 def test_a_kernel_that_dies_is_a_failure(checkout: Path) -> None:
     write(checkout, "dies", "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)")
-    (result,) = runner.run(root=checkout)
+    (result,) = figures.run(root=checkout)
     assert result.state == "failed"
     assert "Kernel died" in result.problem
 
@@ -148,35 +148,35 @@ def test_a_kernel_that_dies_is_a_failure(checkout: Path) -> None:
 def test_the_paper_profile_has_its_own_values_and_folder(checkout: Path) -> None:
     write(checkout, "fig00", WRITES)
     (checkout / "notebooks" / "profiles.toml").write_text("[paper.fig00]\nfaces = 99\n")
-    (result,) = runner.run(profile="paper", root=checkout)
+    (result,) = figures.run(profile="paper", root=checkout)
     assert result.figures == ("paper/fig00.csv",)
     assert (checkout / "figures" / "paper" / "fig00.csv").read_text() == "faces\n99\n"
     assert not (checkout / "figures" / "fig00.csv").exists()
 
     write(checkout, "fig00", WRITES.replace("figures_folder(profile)", "figures_folder()"))
-    (result,) = runner.run(profile="paper", root=checkout)
+    (result,) = figures.run(profile="paper", root=checkout)
     assert result.state == "failed"
     assert "fig00.csv published in profile paper" in result.problem
 
 
 def test_refreshing_twice_gives_the_same_bytes(checkout: Path) -> None:
     write(checkout, "fig00", WRITES, "print('a'); print('b')", "faces + 1")
-    runner.refresh(root=checkout)
+    figures.refresh(root=checkout)
     once = files(checkout)
     notebook = nbformat.read(checkout / "notebooks" / "fig00.ipynb", 4)
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in code] == [1, 2, 3, 4]
     assert code[-1].outputs[0].data["text/plain"] == "11"
     shutil.rmtree(checkout / "build")
-    assert states(runner.refresh(root=checkout)) == {"fig00": "done"}
+    assert states(figures.refresh(root=checkout)) == {"fig00": "done"}
     assert files(checkout) == once
-    assert states(runner.run(root=checkout)) == {"fig00": "fresh"}
+    assert states(figures.run(root=checkout)) == {"fig00": "fresh"}
 
 
 def test_an_interruption_leaves_nothing_and_is_resumed(checkout: Path) -> None:
     write(checkout, "a_fast", WRITES)
     write(checkout, "b_slow", "import time", "time.sleep(600)")
-    command = [sys.executable, "-m", "geoweave.runner", "figures"]
+    command = [sys.executable, "-m", "geoweave.artifact.figures", "figures"]
     process = subprocess.Popen(command, cwd=checkout, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stderr is not None
@@ -198,22 +198,22 @@ def test_an_interruption_leaves_nothing_and_is_resumed(checkout: Path) -> None:
         "notebooks/b_slow.ipynb",
     ]
     write(checkout, "b_slow", "1")
-    assert states(runner.run(root=checkout)) == {"a_fast": "fresh", "b_slow": "done"}
+    assert states(figures.run(root=checkout)) == {"a_fast": "fresh", "b_slow": "done"}
 
 
 def test_an_unknown_name_starts_nothing(checkout: Path) -> None:
     write(checkout, "fig00", WRITES)
     with pytest.raises(NotebookError, match="there is no notebook 'fig99'; there are: fig00"):
-        runner.run(["fig00", "fig99"], root=checkout)
+        figures.run(["fig00", "fig99"], root=checkout)
     assert not (checkout / "build").exists()
 
 
 def test_times_go_into_the_page(checkout: Path) -> None:
     page = checkout / "REPRODUCING.md"
     kept, gone = "| fig01 | default | 7 | 99 |", "| fig02 | default | 8 | 98 |"
-    page.write_text(f"before\n{runner.TIMES[0]}\nold\n{kept}\n{gone}\n{runner.TIMES[1]}\nafter\n")
+    page.write_text(f"before\n{figures.TIMES[0]}\nold\n{kept}\n{gone}\n{figures.TIMES[1]}\nafter\n")
     with pytest.raises(GeoweaveError, match="nothing has been executed"):
-        runner.report(checkout)
+        figures.report(checkout)
     write(checkout, "fig00", "1")
     write(checkout, "fig01", "1")
     folder = checkout / "build" / "notebooks" / "default" / "fig00"
@@ -221,7 +221,7 @@ def test_times_go_into_the_page(checkout: Path) -> None:
     record = {"key": "k", "name": "fig00", "profile": "default", "state": "fresh", "seconds": 12.4}
     record |= {"peak_mb": 345.6, "figures": [], "problem": ""}
     (folder / "record.json").write_text(json.dumps(record))
-    assert runner.report(checkout) == 1
+    assert figures.report(checkout) == 1
     text = page.read_text()
     assert "| fig00 | default | 12 | 346 |" in text
     assert kept in text, "what was not executed here keeps its row"
@@ -234,5 +234,5 @@ def test_times_go_into_the_page(checkout: Path) -> None:
 
 def test_the_page_has_its_place_for_times() -> None:
     text = (ROOT / "REPRODUCING.md").read_text(encoding="utf-8")
-    begin, end = (text.find(line) for line in runner.TIMES)
+    begin, end = (text.find(line) for line in figures.TIMES)
     assert 0 < begin < end

@@ -1,4 +1,4 @@
-"""The rules of geoweave.notebooks, first on small examples, then on every notebook of the checkout."""
+"""The rules of notebooks, first on small examples, then on every notebook of the checkout."""
 
 import ast
 import base64
@@ -11,10 +11,10 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook, new_output, new_raw_cell
 
-from geoweave import notebooks
-from geoweave.notebooks import NotebookError
+from geoweave.artifact import notebooks
+from geoweave.artifact.notebooks import NotebookError
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 NAMES = notebooks.names(ROOT)
 MOST_LINES = 80
 MOST_BYTES = 1_500_000

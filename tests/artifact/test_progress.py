@@ -4,7 +4,7 @@ import io
 
 from rich.console import Console
 
-from geoweave.progress import Progress
+from geoweave.artifact.progress import Progress
 
 
 def test_one_line_a_notebook_without_a_terminal() -> None:

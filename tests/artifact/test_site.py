@@ -14,11 +14,11 @@ import pytest
 from browser import DESK, PHONE, browser, opened
 from PIL import Image
 
-from geoweave import claims, notebooks, site
-from geoweave.notebooks import NotebookError
-from geoweave.output import OutputError
-from geoweave.places import repository
-from geoweave.site_text import plain
+from geoweave.artifact import claims, notebooks, site
+from geoweave.artifact.notebooks import NotebookError
+from geoweave.artifact.site_text import plain
+from geoweave.checkout import repository
+from geoweave.files import OutputError
 
 ROOT = repository()
 VOID = {"meta", "link", "img", "br", "hr", "col", "input"}

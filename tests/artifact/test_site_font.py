@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 from fontTools.ttLib import TTFont
 
-from geoweave.output import OutputError
-from geoweave.site_font import NOTICE, characters, math_font
-from geoweave.site_text import equation
+from geoweave.artifact.site_font import NOTICE, characters, math_font
+from geoweave.artifact.site_text import equation
+from geoweave.files import OutputError
 
 
 def test_characters_of_the_equations_and_their_slanted_forms() -> None:

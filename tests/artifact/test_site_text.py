@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 import nbformat
 import pytest
 
-from geoweave import notebooks
-from geoweave.notebooks import NotebookError
-from geoweave.places import repository
-from geoweave.site_text import code_html, code_style, equation, plain, text_html
+from geoweave.artifact import notebooks
+from geoweave.artifact.notebooks import NotebookError
+from geoweave.artifact.site_text import code_html, code_style, equation, plain, text_html
+from geoweave.checkout import repository
 
 ROOT = repository()
 MATHML = {

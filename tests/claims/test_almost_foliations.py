@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike
 
-from geoweave import shapes
-from geoweave.curves import geodesic_curvature
-from geoweave.fields import FaceField, edge_curl
-from geoweave.great_circles import meridian_field
-from geoweave.integration import foliate
-from geoweave.isolines import isolines
-from geoweave.mesh import TriMesh
-from geoweave.singular_lines import singular_lines
-from geoweave.singularities import rotation_across, singular_vertices
-from geoweave.tracing import streamlines
+from geoweave.comparisons.great_circles import meridian_field
+from geoweave.comparisons.singular_curves import singular_lines
+from geoweave.curves.curves import geodesic_curvature
+from geoweave.curves.tracing import streamlines
+from geoweave.fields.face_field import FaceField, edge_curl
+from geoweave.fields.singularities import rotation_across, singular_vertices
+from geoweave.foliation.foliation import foliate
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 
 def winding(tube: TriMesh, alpha: ArrayLike, beta: ArrayLike) -> FaceField:

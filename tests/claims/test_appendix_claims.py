@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 import geoweave as gw
-from geoweave import datasets, operators, shapes
-from geoweave.fields import FaceField, random_field, total_curl
-from geoweave.geodesic import geodesic_field
-from geoweave.isolines import isolines
-from geoweave.mesh import TriMesh
-from geoweave.remesh import isotropic_remesh
-from geoweave.rescaling import perpendicular
-from geoweave.tracing import streamlines
+from geoweave.curves.tracing import streamlines
+from geoweave.fields import operators
+from geoweave.fields.face_field import FaceField, random_field, total_curl
+from geoweave.fields.geodesic import geodesic_field
+from geoweave.foliation.integrability import perpendicular
+from geoweave.foliation.level_sets import isolines
+from geoweave.meshing.remesh import isotropic_remesh
+from geoweave.models import datasets, shapes
+from geoweave.surface.mesh import TriMesh
 
 Matrix = NDArray[np.float64]
 
@@ -98,7 +99,7 @@ def problem(field: FaceField, mu: float = 1e-4) -> tuple[Matrix, Matrix, Matrix]
 
 @cache
 def small() -> FaceField:
-    field, _ = gw.integration.punctured(gw.smoothest_field(shapes.sphere(faces=80)))
+    field, _ = gw.foliation.punctured(gw.smoothest_field(shapes.sphere(faces=80)))
     return field
 
 

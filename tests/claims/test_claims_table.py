@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from geoweave import claims, notebooks, runner
+from geoweave.artifact import claims, figures, notebooks
 
 ROOT = Path(__file__).resolve().parents[2]
 CLAIMS = claims.read(ROOT)
@@ -21,7 +21,15 @@ def collected() -> set[str]:
     """Every test that pytest collects in the files that the claims name, and in this folder."""
     named = {test.partition("::")[0] for claim in CLAIMS for test in claim.tests if "::" in test}
     files = sorted(file for file in named | {"tests/claims"} if (ROOT / file).exists())
-    quiet = ["--collect-only", "-q", "-o", "addopts=", "-p", "no:cacheprovider", f"--ignore={OWN}"]
+    quiet = [
+        "--collect-only",
+        "-q",
+        "-o",
+        "addopts=--import-mode=importlib",
+        "-p",
+        "no:cacheprovider",
+        f"--ignore={OWN}",
+    ]
     # The workers of a parallel run leave their name in the environment.
     around = {key: value for key, value in os.environ.items() if not key.startswith("PYTEST_")}
     run = subprocess.run(
@@ -67,6 +75,6 @@ def test_our_numbers_are_in_the_published_tables(claim: claims.Claim) -> None:
 
 def test_the_readme_holds_the_table() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    begin, end = (text.index(mark) for mark in runner.CLAIMS)
-    between = text[begin + len(runner.CLAIMS[0]) + 1 : end]
+    begin, end = (text.index(mark) for mark in figures.CLAIMS)
+    between = text[begin + len(figures.CLAIMS[0]) + 1 : end]
     assert between == "\n".join(claims.table(ROOT)) + "\n", "run: make report"

@@ -5,28 +5,28 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave import models, shapes
-from geoweave.cover import Cover, branched_cover
-from geoweave.fields import total_curl
-from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
-from geoweave.integration import foliate
-from geoweave.isolines import isolines
-from geoweave.operators import connection_laplacian
-from geoweave.rosy import smoothest_eigenfield, smoothest_rosy
-from geoweave.singularities import rotation_across
-from geoweave.straightest import crossings
+from geoweave.curves.straightest_geodesics import crossings
+from geoweave.fields.face_field import total_curl
+from geoweave.fields.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
+from geoweave.fields.operators import connection_laplacian
+from geoweave.fields.rosy import smoothest_eigenfield, smoothest_rosy
+from geoweave.fields.singularities import rotation_across
+from geoweave.foliation.foliation import foliate
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import catalogue, shapes
+from geoweave.weave.cover import Cover, branched_cover
 
 SHIPPED = ("bunny", "spot", "torus", "camel", "schwarz-p")
 
 
 def cover_of(name: str) -> Cover:
-    return branched_cover(smoothest_rosy(models.load(name), 6))
+    return branched_cover(smoothest_rosy(catalogue.load(name), 6))
 
 
 @pytest.mark.parametrize(("degree", "count"), [(4, 8), (5, 10), (6, 12)])
 def test_sphere_of_figure_21_has_the_fewest_singularities(degree, count):
     """Fig. 21: RoSys of degree 4, 5 and 6 on a sphere; each singularity has index 1 / k and they sum to 2."""
-    sphere = models.load("sphere")
+    sphere = catalogue.load("sphere")
     for seed in range(3):
         rosy = smoothest_rosy(sphere, degree, seed)
         assert len(rosy.branch_points) == count
@@ -77,7 +77,7 @@ def test_rosy_lifts_to_a_plain_field_on_a_manifold(name):
 @pytest.mark.parametrize("name", SHIPPED)
 def test_globally_optimal_rosy_has_the_least_energy(name):
     """Appendix D: argmin |grad w|^2 subject to |w|^2 = 1, against 20 random and 20 nearby fields."""
-    mesh = models.load(name)
+    mesh = catalogue.load(name)
     (mu,), field = smoothest_eigenfield(mesh, 0, 6)
     laplacian, rng = connection_laplacian(mesh, 6), np.random.default_rng(0)
     for k in range(40):

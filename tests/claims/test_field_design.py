@@ -8,22 +8,29 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import models, shapes
-from geoweave.domains import ordered_domains
-from geoweave.fields import FaceField, Handles, edge_curl, integrated_curl, random_field, total_curl
-from geoweave.geodesic import ClosedProjection, GeodesicSolve, geodesic_field, ordering_of
-from geoweave.mesh import TriMesh
-from geoweave.operators import ClosedFields, dirichlet_energy
-from geoweave.rosy import smoothest_eigenfield, smoothest_field
-from geoweave.singularities import rotation_across, singular_vertices
-from geoweave.tracing import streamlines
+from geoweave.comparisons.domains import ordered_domains
+from geoweave.curves.tracing import streamlines
+from geoweave.fields.face_field import (
+    FaceField,
+    Handles,
+    edge_curl,
+    integrated_curl,
+    random_field,
+    total_curl,
+)
+from geoweave.fields.geodesic import ClosedProjection, GeodesicSolve, geodesic_field, ordering_of
+from geoweave.fields.operators import ClosedFields, dirichlet_energy
+from geoweave.fields.rosy import smoothest_eigenfield, smoothest_field
+from geoweave.fields.singularities import rotation_across, singular_vertices
+from geoweave.models import catalogue, shapes
+from geoweave.surface.mesh import TriMesh
 
 # -- 4.1: why curl ----------------------------------------------------------------------------------------
 
 
 @cache
 def scan() -> TriMesh:
-    return models.load("spot")
+    return catalogue.load("spot")
 
 
 def test_no_field_is_parallel_along_all_edges_of_a_curved_mesh():
@@ -63,7 +70,7 @@ def test_the_curl_condition_with_unit_vectors_leaves_two_choices_on_a_neighbour(
 def test_unit_and_curl_free_has_more_conditions_than_unknowns(name):
     """Section 4.1: "the vector on each face is parameterized by an angle, but constrained across each
     edge"."""
-    mesh = models.load(name)
+    mesh = catalogue.load(name)
     angles, conditions = mesh.n_faces, len(mesh.interior_edges)
     assert conditions > 1.45 * angles
     # And no start finds a field that meets them all: some delta is always left.

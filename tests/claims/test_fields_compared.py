@@ -7,18 +7,18 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import models, shapes
-from geoweave.baselines import anti_holomorphic_field, fitted_curl, pottmann_field
-from geoweave.curves import Curves
-from geoweave.fields import FaceField, total_curl
-from geoweave.geodesic import geodesic_field
-from geoweave.great_circles import meridian_angle, meridian_axis
-from geoweave.operators import as_real, curl, gradient
-from geoweave.rosy import smoothest_field
-from geoweave.singular_lines import singular_lines
-from geoweave.singularities import circulation, singular_vertices
-from geoweave.straightest import crossings
-from geoweave.tracing import streamlines
+from geoweave.comparisons.field_baselines import anti_holomorphic_field, fitted_curl, pottmann_field
+from geoweave.comparisons.great_circles import meridian_angle, meridian_axis
+from geoweave.comparisons.singular_curves import singular_lines
+from geoweave.curves.curves import Curves, bending
+from geoweave.curves.straightest_geodesics import crossings
+from geoweave.curves.tracing import streamlines
+from geoweave.fields.face_field import FaceField, total_curl
+from geoweave.fields.geodesic import geodesic_field
+from geoweave.fields.operators import as_real, curl, gradient
+from geoweave.fields.rosy import smoothest_field
+from geoweave.fields.singularities import circulation, singular_vertices
+from geoweave.models import catalogue, shapes
 
 SMOOTH = ("Dirichlet", "anti-holomorphic")
 
@@ -38,7 +38,7 @@ def on_the_sphere(seed: int) -> dict[str, FaceField]:
 
 @cache
 def on_the_animal(name: str) -> dict[str, FaceField]:
-    start = smoothest_field(models.load(name))
+    start = smoothest_field(catalogue.load(name))
     return {
         "Dirichlet": start,
         "Pottmann": pottmann_field(start).field,
@@ -86,14 +86,14 @@ def test_only_ours_has_no_vorticity(seed):
 @pytest.mark.parametrize("name", ["camel", "spot"])
 def test_smooth_fields_may_have_high_geodesic_curvature(name):
     """Fig. 3: the lines of smooth fields "may have high amounts of geodesic curvature"."""
-    bent, straight = (models.bending(lines_on(name, method)) for method in ("Dirichlet", "ours"))
+    bent, straight = (bending(lines_on(name, method)) for method in ("Dirichlet", "ours"))
     assert straight < 0.6 * bent
 
 
 @pytest.mark.parametrize("name", ["camel", "spot"])
 def test_pottmanns_field_is_locally_geodesic(name):
     """Fig. 3: the method "produces a locally-geodesic field": straight between its lines."""
-    bent, patched = (models.bending(lines_on(name, method)) for method in ("Dirichlet", "Pottmann"))
+    bent, patched = (bending(lines_on(name, method)) for method in ("Dirichlet", "Pottmann"))
     # 0.3 to 0.65 over the settings in DEVIATIONS.md (sharpening after Pottmann et al.).
     assert patched < 0.75 * bent
     # What it makes small on most faces, there smaller than ours: at most 0.6 of it over those settings.

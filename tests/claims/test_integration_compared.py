@@ -1,6 +1,6 @@
 """What Section 4.2 says of its integration against others (Figs. 13 and 15), on fields of Algorithm 1.
 
-All methods draw the same length of level sets on the same punctured surface (`geoweave.compared`).
+All methods draw the same length of level sets on the same punctured surface (`comparisons`).
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from functools import cache
 
 import pytest
 
-from geoweave import shapes
-from geoweave.alignment import Alignment
-from geoweave.compared import PAPER, Method, geodesic_from, integrated
-from geoweave.fields import FaceField
-from geoweave.integration import foliate
+from geoweave.comparisons.integration_methods import PAPER, Method, geodesic_from, integrated
+from geoweave.fields.face_field import FaceField
+from geoweave.foliation.foliation import foliate
+from geoweave.foliation.level_set_alignment import Alignment
+from geoweave.models import shapes
 
 SURFACES = ("torus", "genus 4")
 

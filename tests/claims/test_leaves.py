@@ -9,15 +9,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.circle import TURN, CircleFunction
-from geoweave.curves import Curves, geodesic_curvature
-from geoweave.fields import FaceField
-from geoweave.isolines import isolines
-from geoweave.mesh import TriMesh
-from geoweave.operators import differences
-from geoweave.straightest import crossings, straightest
-from geoweave.tracing import streamlines
+from geoweave.curves.curves import Curves, geodesic_curvature
+from geoweave.curves.straightest_geodesics import crossings, straightest
+from geoweave.curves.tracing import streamlines
+from geoweave.fields.face_field import FaceField
+from geoweave.fields.operators import differences
+from geoweave.foliation.circle_function import TURN, CircleFunction
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 RESOLUTIONS = (1280, 5120, 20480)
 WINDOW = 0.3

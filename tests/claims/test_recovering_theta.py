@@ -6,21 +6,21 @@ from functools import cache
 
 import numpy as np
 import pytest
+from claims.test_section_4_1 import SHIPPED, _look_nearby, cases
 
-from geoweave import models, shapes
-from geoweave.fields import FaceField
-from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
-from geoweave.integration import Foliation, foliate, punctured
-from geoweave.rescaling import integrating_factor
-from geoweave.rosy import smoothest_field
-from geoweave.singularities import singular_vertices
-from tests.claims.test_section_4_1 import SHIPPED, _look_nearby, cases
+from geoweave.fields.face_field import FaceField
+from geoweave.fields.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
+from geoweave.fields.rosy import smoothest_field
+from geoweave.fields.singularities import singular_vertices
+from geoweave.foliation.foliation import Foliation, foliate, punctured
+from geoweave.foliation.integrability import integrating_factor
+from geoweave.models import catalogue, shapes
 
 
 @cache
 def foliation(name: str) -> Foliation:
     """What ``geoweave foliate`` finds."""
-    surface = models.load(name)
+    surface = catalogue.load(name)
     schedule = sharpening_schedule(surface, finest=INTEGRABLE_END)
     return foliate(geodesic_field(smoothest_field(surface), smoothness=schedule, phases=4).field)
 

@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.relaxed import relaxed_weave
-from geoweave.rods import Rods
-from geoweave.weave import WeaveField, weave_field
+from geoweave.models import shapes
+from geoweave.rods.rods import Rods
+from geoweave.rods.weave_at_rest import relaxed_weave
+from geoweave.weave.design import WeaveField, weave_field
 
 
 @cache

@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import shapes
 from geoweave.arrays import Flags
-from geoweave.relaxation import relax, relaxing_terms
-from geoweave.relaxed import Relaxed, relaxed_weave, rods_of_weave
-from geoweave.rod_energies import elastic_terms, energy_density
-from geoweave.rod_steps import Problem
-from geoweave.rods import Contacts, Rods
-from geoweave.weave import Weave, weave_pattern
+from geoweave.models import shapes
+from geoweave.rods.elastic_energies import elastic_terms, energy_density
+from geoweave.rods.rods import Contacts, Rods
+from geoweave.rods.slide_and_relax import relax, relaxing_terms
+from geoweave.rods.steps import Problem
+from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave, rods_of_weave
+from geoweave.weave.design import Weave, weave_pattern
 
 CLOSED = {"bumpy box": 15, "icosahedron": 15, "sphere": 12, "torus": 12}
 """Models and about how many ribbons they get."""

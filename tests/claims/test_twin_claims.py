@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 
-from geoweave import models
-from geoweave.pattern import Pattern, pattern_of
-from geoweave.relaxed import relaxed_weave
-from geoweave.twin import assembled
-from geoweave.weave import weave_field
+from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.models import catalogue
+from geoweave.rods.weave_at_rest import relaxed_weave
+from geoweave.twin.twin import assembled
+from geoweave.weave.design import weave_field
 
 
 def test_the_bunny_comes_back_from_its_pattern() -> None:
@@ -17,7 +17,7 @@ def test_the_bunny_comes_back_from_its_pattern() -> None:
     A smaller bunny than the paper's 108 ribbons, for time. What is exported is the weave at rest; 5 %
     of the bounding diagonal is what the project asks of a twin.
     """
-    weave = weave_field(models.load("bunny")).pattern(ribbons=60).sized(300.0)
+    weave = weave_field(catalogue.load("bunny")).pattern(ribbons=60).sized(300.0)
     woven = relaxed_weave(weave).document()
     exported = json.dumps(pattern_of(woven).document())
     twin = assembled(Pattern.from_document(json.loads(exported)))

@@ -9,11 +9,11 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from geoweave import models, shapes
-from geoweave.curves import geodesic_curvature
-from geoweave.interlacing import greedy
-from geoweave.validity import violations
-from geoweave.weave import Weave, weave_field
+from geoweave.curves.curves import geodesic_curvature
+from geoweave.models import catalogue, shapes
+from geoweave.weave.design import Weave, weave_field
+from geoweave.weave.interlacing import greedy
+from geoweave.weave.validity import violations
 
 WOVEN = ("armadillo", "bunny", "cone", "icosahedron", "sphere", "torus")
 
@@ -21,7 +21,7 @@ WOVEN = ("armadillo", "bunny", "cone", "icosahedron", "sphere", "torus")
 @cache
 def weave_of(name: str, geodesic: bool = True) -> Weave:
     # the sphere of the figures has 20,480 faces, more than this takes
-    mesh = shapes.sphere(5_120) if name == "sphere" else models.load(name)
+    mesh = shapes.sphere(5_120) if name == "sphere" else catalogue.load(name)
     return weave_field(mesh, geodesic=geodesic).pattern()
 
 

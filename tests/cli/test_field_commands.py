@@ -1,8 +1,8 @@
 """The commands that design are tested as a user runs them, in test_cli.py; here, that they are all there."""
 
-from geoweave import cli, design
+from geoweave.cli import field_commands, main
 
 
 def test_the_command_line_offers_every_designing_command() -> None:
-    assert cli.commands.commands["field"] is design.field
-    assert cli.commands.commands["foliate"] is design.foliate
+    assert main.commands.commands["field"] is field_commands.field
+    assert main.commands.commands["foliate"] is field_commands.foliate

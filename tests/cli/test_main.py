@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from meshfiles import hostile, moebius_strip, octahedron, sheet, sphere, write
 
-from geoweave import cli
-from geoweave.fields import FaceField, edge_curl, total_curl
-from geoweave.mesh import TriMesh
-from geoweave.places import package_version
-from geoweave.rodfiles import read_rods
+from geoweave.checkout import package_version
+from geoweave.cli import main
+from geoweave.fields.face_field import FaceField, edge_curl, total_curl
+from geoweave.rods.rod_file import read_rods
+from geoweave.surface.mesh import TriMesh
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def run(capfd):
     """Run the command in this process: exit status, stdout, stderr."""
 
     def command(*arguments):
-        status = cli.main([str(argument) for argument in arguments])
+        status = main.main([str(argument) for argument in arguments])
         out, err = capfd.readouterr()
         return status, out, err
 
@@ -402,7 +402,7 @@ def test_unknown_names_are_refused(run, monkeypatch, tmp_path):
 
 
 def test_doctor(run, monkeypatch):
-    from geoweave import doctor
+    from geoweave.artifact import doctor
 
     for works, expected in ((True, 0), (False, 1)):
         found = doctor.Rendering(
@@ -418,7 +418,7 @@ def test_doctor(run, monkeypatch):
 
 
 def test_figures(run, monkeypatch):
-    from geoweave import doctor, runner
+    from geoweave.artifact import doctor, figures
     from geoweave.errors import RenderError
 
     def broken():
@@ -432,10 +432,10 @@ def test_figures(run, monkeypatch):
 
     def executed(names, profile, jobs, *, force):
         asked.append((names, profile, jobs, force))
-        return [runner.Result("fig26", profile, "done", 1.0, 2.0, ("fig26.png",), "")]
+        return [figures.Result("fig26", profile, "done", 1.0, 2.0, ("fig26.png",), "")]
 
     monkeypatch.setattr(doctor, "require_rendering", lambda: None)
-    monkeypatch.setattr(runner, "run", executed)
+    monkeypatch.setattr(figures, "run", executed)
     status, out, err = run("figures", "fig26", "--profile", "paper", "--jobs", 2, "--json")
     assert (status, err) == (0, "")
     assert json.loads(out)["fig26"]["state"] == "done"
@@ -502,12 +502,12 @@ def test_help_and_version(run):
 
 
 def test_a_fault_of_ours_is_exit_1_with_a_traceback(run, ball, monkeypatch):
-    from geoweave import prepare
+    from geoweave import meshing
 
     def broken(*_, **__):
         raise ZeroDivisionError("a fault")
 
-    monkeypatch.setattr(prepare, "read_mesh", broken)
+    monkeypatch.setattr(meshing, "read_mesh", broken)
     status, out, err = run("info", ball)
     assert (status, out) == (1, "")
     assert "ZeroDivisionError: a fault" in err
@@ -516,7 +516,7 @@ def test_a_fault_of_ours_is_exit_1_with_a_traceback(run, ball, monkeypatch):
     def exhausted(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr(prepare, "read_mesh", exhausted)
+    monkeypatch.setattr(meshing, "read_mesh", exhausted)
     assert run("info", ball) == (1, "", "geoweave: not enough memory; ask for fewer triangles with --faces\n")
 
 
@@ -537,7 +537,7 @@ def test_python_m_geoweave(ball, tmp_path):
 
 def test_info_imports_no_renderer(ball):
     program = (
-        "import sys; from geoweave.cli import main; status = main(['info', sys.argv[1]]); "
+        "import sys; from geoweave.cli.main import main; status = main(['info', sys.argv[1]]); "
         "heavy = {'vtk', 'vtkmodules', 'pyvista', 'matplotlib', 'papermill'} & set(sys.modules); "
         "sys.exit(f'imported {heavy}' if heavy else status)"
     )
@@ -560,8 +560,7 @@ def test_a_reader_that_goes_away_makes_no_noise(ball):
 
 @pytest.mark.parametrize("stage", ["smoothest_field", "geodesic_field", "savez"])
 def test_control_c_leaves_nothing_and_says_one_line(run, ball, tmp_path, monkeypatch, request, stage):
-    import geoweave.geodesic
-    import geoweave.rosy
+    from geoweave import fields
 
     def interrupted(*arguments, **_):
         if stage == "savez":
@@ -572,7 +571,11 @@ def test_control_c_leaves_nothing_and_says_one_line(run, ball, tmp_path, monkeyp
     # A shell that starts jobs in the background has them ignore the signal.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     request.addfinalizer(lambda: signal.signal(signal.SIGINT, before))
-    place = {"smoothest_field": geoweave.rosy, "geodesic_field": geoweave.geodesic, "savez": np}[stage]
+    place = {
+        "smoothest_field": fields,
+        "geodesic_field": fields,
+        "savez": np,
+    }[stage]
     monkeypatch.setattr(place, stage, interrupted)
     status, out, err = run("field", ball, "-o", tmp_path / "f.npz")
     assert (status, out, err) == (1, "", "geoweave: interrupted; no file was left half-written\n")

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import pytest
 
-from geoweave import cli, shapes
-from geoweave.outputs import write_weave
-from geoweave.rodfiles import read_rods
-from geoweave.weave import weave_pattern
-from geoweave.woven import Weave
+from geoweave.cli import main
+from geoweave.models import shapes
+from geoweave.pipeline.weave_folder import write_weave
+from geoweave.rods.rod_file import read_rods
+from geoweave.weave.design import weave_pattern
+from geoweave.weave.weave import Weave
 
 
 @cache
@@ -24,7 +25,7 @@ def weave() -> Weave:
 def test_a_file_is_relaxed(name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     write_weave(weave(), tmp_path / "in", ["rod"])
     output = tmp_path / "out"
-    assert cli.main(["relax", str(tmp_path / "in" / name), "-o", str(output), "--json"]) == 0
+    assert main.main(["relax", str(tmp_path / "in" / name), "-o", str(output), "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["converged"]
     assert result["rods"] == len(weave().ribbons)
@@ -40,7 +41,7 @@ def test_a_file_is_relaxed(name: str, tmp_path: Path, capfd: pytest.CaptureFixtu
         assert len(relaxed["crossings"]) == result["contacts"]
         assert relaxed["metrics"]["relax"]["converged"]
         # what was relaxed is a weave again
-        assert cli.main(["relax", str(output / "relaxed.json"), "-o", str(tmp_path / "again")]) == 0
+        assert main.main(["relax", str(output / "relaxed.json"), "-o", str(tmp_path / "again")]) == 0
         assert "at rest" in capfd.readouterr().out
 
 
@@ -55,7 +56,7 @@ def test_beside_its_design_what_was_cut_to_another_shape_goes(
     # what `geoweave twin` found of the pattern that is going
     (tmp_path / "report.json").write_text(json.dumps(before | {"twin": {"comes_back": True}}))
     design = {name: (tmp_path / name).read_bytes() for name in ("weave.json", "weave.rod")}
-    assert cli.main(["relax", str(tmp_path / "weave.json"), "-o", str(tmp_path), "--json"]) == 0
+    assert main.main(["relax", str(tmp_path / "weave.json"), "-o", str(tmp_path), "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "relaxed.json",
@@ -73,7 +74,7 @@ def test_beside_its_design_what_was_cut_to_another_shape_goes(
     other = tmp_path.parent / f"{tmp_path.name}-other"
     write_weave(weave().sized(40.0), other)
     whole = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
-    assert cli.main(["relax", str(other / "weave.json"), "-o", str(tmp_path)]) == 2
+    assert main.main(["relax", str(other / "weave.json"), "-o", str(tmp_path)]) == 2
     assert "holds another weave (weave.json); name another folder" in capfd.readouterr().err
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == whole
 
@@ -82,6 +83,6 @@ def test_what_cannot_be_relaxed(tmp_path: Path, capfd: pytest.CaptureFixture[str
     (tmp_path / "bad.rod").write_text("-217 2 x")
     (tmp_path / "bad.json").write_text("{}")
     for name, words in (("bad.rod", "bad.rod"), ("bad.json", "not a weave"), ("none.json", "none.json")):
-        assert cli.main(["relax", str(tmp_path / name), "-o", str(tmp_path / "out")]) == 2
+        assert main.main(["relax", str(tmp_path / name), "-o", str(tmp_path / "out")]) == 2
         assert words in capfd.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -11,10 +11,11 @@ import time
 from pathlib import Path
 
 import pytest
+from clusters import cluster
 
-from geoweave import cli, shapes, sweeping
-from geoweave.writing import write_mesh
-from tests.clusters import cluster
+from geoweave.cli import main, sweep_command
+from geoweave.meshing.write import write_mesh
+from geoweave.models import shapes
 
 QUICK = ("--faces", "300", "--scale", "0.5", "--no-relax")
 
@@ -27,7 +28,7 @@ def meshes(tmp_path: Path) -> list[str]:
 
 
 def run(capfd: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
-    status = cli.main(["sweep", *map(str, arguments)])
+    status = main.main(["sweep", *map(str, arguments)])
     return status, *capfd.readouterr()
 
 
@@ -41,7 +42,7 @@ def woven(folder: Path) -> dict[str, bytes]:
 
 
 def test_the_command_line_offers_the_command() -> None:
-    assert cli.commands.commands["sweep"] is sweeping.sweep
+    assert main.commands.commands["sweep"] is sweep_command.sweep
 
 
 def test_many_meshes_one_of_which_fails(
@@ -178,7 +179,7 @@ def test_a_size_brings_the_same_files_as_for_one_weave(
     status, text, _ = run(capfd, meshes[0], "-o", tmp_path / "many", *asked)
     assert status == 0
     (one,) = json.loads(text)["results"]
-    assert cli.main(["weave", meshes[0], "-o", str(tmp_path / "single"), *asked]) == 0
+    assert main.main(["weave", meshes[0], "-o", str(tmp_path / "single"), *asked]) == 0
     single = json.loads(capfd.readouterr().out)
     names = [{Path(file).name for file in each["files"]} for each in (one["result"], single)]
     assert names[0] == names[1] == {"weave.json", "report.json", "guide.html"}

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from twinned import inner, pattern, woven
 
-from geoweave import cli
-from geoweave.twin_surface import surface_of
+from geoweave.cli import main
+from geoweave.twin.pattern_surface import surface_of
 
 
 @pytest.fixture
@@ -25,7 +25,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_a_folder_is_rebuilt_and_compared(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["twin", str(folder), "--json"]) == 0
+    assert main.main(["twin", str(folder), "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["comes_back"] is True
     assert result["woven"]["crossings"]["largest"] < 0.01
@@ -34,7 +34,7 @@ def test_a_folder_is_rebuilt_and_compared(folder: Path, capfd: pytest.CaptureFix
     assert result["topology"]["contradictions"] == []
     assert result["files"] == [str(folder / "twin.json")]
     assert json.loads((folder / "twin.json").read_text())["format"] == "geoweave-weave"
-    assert cli.main(["twin", str(folder)]) == 0
+    assert main.main(["twin", str(folder)]) == 0
     said = capfd.readouterr().out
     assert "The object comes back: its crossings are 0." in said
     assert "genus 0 with 1 opening, as designed" in said
@@ -43,14 +43,14 @@ def test_a_folder_is_rebuilt_and_compared(folder: Path, capfd: pytest.CaptureFix
 def test_a_pattern_alone_is_rebuilt(folder: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     alone = tmp_path / "alone.json"
     alone.write_text((folder / "pattern.json").read_text())
-    assert cli.main(["twin", str(alone), "-o", str(tmp_path / "out"), "--json"]) == 0
+    assert main.main(["twin", str(alone), "-o", str(tmp_path / "out"), "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["comes_back"] is None
     assert result["woven"] is None
     # the same twin, wherever the weave that it is compared with
-    cli.main(["twin", str(folder), "--json"])
+    main.main(["twin", str(folder), "--json"])
     assert result["energy"] == json.loads(capfd.readouterr().out)["energy"]
-    assert cli.main(["twin", str(alone), "-o", str(tmp_path / "out")]) == 0
+    assert main.main(["twin", str(alone), "-o", str(tmp_path / "out")]) == 0
     assert "no relaxed.json or weave.json is beside the pattern" in capfd.readouterr().out
 
 
@@ -60,7 +60,7 @@ def test_the_report_beside_the_pattern_lists_the_twin(
     names = ("pattern.json", "weave.json", "relaxed.json")
     digests = {name: sha256((folder / name).read_bytes()).hexdigest() for name in names}
     (folder / "report.json").write_text(json.dumps({"format": "geoweave-report", "files": digests}))
-    assert cli.main(["twin", str(folder), "--json"]) == 0
+    assert main.main(["twin", str(folder), "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     report = json.loads((folder / "report.json").read_text())
     twin = sha256((folder / "twin.json").read_bytes()).hexdigest()
@@ -75,13 +75,13 @@ def test_a_pattern_that_contradicts_itself(folder: Path, capfd: pytest.CaptureFi
     x = inner(surface_of(pattern("cone")))[0]
     document["crossings"][x]["angle_deg"] *= -1
     (folder / "pattern.json").write_text(json.dumps(document))
-    assert cli.main(["twin", str(folder)]) == 2
+    assert main.main(["twin", str(folder)]) == 2
     captured = capfd.readouterr()
     assert captured.out == ""
     assert captured.err.startswith(f"geoweave: {folder / 'pattern.json'}: the pattern contradicts itself")
     assert f"crossing {x} of" in captured.err
     assert not (folder / "twin.json").exists()
-    assert cli.main(["twin", str(folder), "--anyway", "--json"]) == 0
+    assert main.main(["twin", str(folder), "--anyway", "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["topology"]["genus"] == 1
     assert len(result["topology"]["contradictions"]) == 1
@@ -97,8 +97,8 @@ def test_a_pattern_that_contradicts_itself(folder: Path, capfd: pytest.CaptureFi
 )
 def test_what_is_no_pattern(text: str, words: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "pattern.json").write_text(text)
-    assert cli.main(["twin", str(tmp_path)]) == 2
+    assert main.main(["twin", str(tmp_path)]) == 2
     assert words in capfd.readouterr().err
     (tmp_path / "pattern.json").unlink()
-    assert cli.main(["twin", str(tmp_path)]) == 2
+    assert main.main(["twin", str(tmp_path)]) == 2
     assert "--formats pattern" in capfd.readouterr().err

@@ -7,11 +7,12 @@ from functools import cache
 import pytest
 from meshfiles import sphere, write
 
-from geoweave import cli, shapes, weaving
-from geoweave.inspection import KINDS, Inspection, Place, inspected
-from geoweave.pattern import Pattern
-from geoweave.twin_surface import surface_of
-from geoweave.weave import weave_pattern
+from geoweave.cli import main, weave_command
+from geoweave.fabrication.pattern import Pattern
+from geoweave.models import shapes
+from geoweave.twin.pattern_surface import surface_of
+from geoweave.weave.design import weave_pattern
+from geoweave.weave.inspection import KINDS, Inspection, Place, inspected
 
 
 @cache
@@ -20,14 +21,14 @@ def report() -> Inspection:
 
 
 def test_the_command_line_offers_the_command() -> None:
-    assert cli.commands.commands["weave"] is weaving.weave
+    assert main.commands.commands["weave"] is weave_command.weave
 
 
 def test_each_kind_of_place_has_its_words() -> None:
     for kind in KINDS:
         place = Place(kind, (1.0, 2.5, -3.0), ("A1", "B2"), 4.25)
         one = dataclasses.replace(report(), places=(place, place._replace(value=9.0)))
-        text = weaving._worst(kind, one)
+        text = weave_command._worst(kind, one)
         assert text.startswith("2 ")
         assert "the worst, 4.25, at (1, 2.5, -3), A1 B2" in text
 
@@ -41,7 +42,7 @@ def test_the_table_says_when_a_bound_is_not_proven() -> None:
         (better, ("not proven", "effort was used up")),
     ):
         turns = dataclasses.replace(report().weave, interlacing=found).metrics()["alternation"]
-        text = weaving._alternation(turns)
+        text = weave_command._alternation(turns)
         assert f"{turns['fraction']:.1%} of neighbours; at most {turns['optimal_fraction_bound']:.1%}" in text
         assert all(word in text for word in words)
         assert ("not proven" in text) is not turns["proven"]
@@ -50,7 +51,7 @@ def test_the_table_says_when_a_bound_is_not_proven() -> None:
 
 def test_a_surface_of_few_triangles_is_remeshed_first(tmp_path, capfd: pytest.CaptureFixture[str]) -> None:
     ball = write(tmp_path, "ball", "off", *sphere(3))
-    assert cli.main(["weave", str(ball), "--no-relax", "--json", "-o", str(tmp_path / "woven")]) == 0
+    assert main.main(["weave", str(ball), "--no-relax", "--json", "-o", str(tmp_path / "woven")]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["repairs"]["remeshed_from"] == 512
     assert abs(result["faces"] - 4000) <= 2
@@ -64,7 +65,7 @@ def test_strips_that_would_not_go_together_are_cut_as_designed(
 ) -> None:
     """At the first scale ribbons slide past each other near a crossing, at the second nowhere."""
     command = ["weave", "spot", "--faces", "1500", "--scale", scale, "--size", "300", "-o", str(tmp_path)]
-    assert cli.main([*command, "--formats", "pattern", "--json"]) == 0
+    assert main.main([*command, "--formats", "pattern", "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["strips_of"] == ("relaxed.json" if whole else "weave.json")
     assert (result["slipped"] == 0) == whole
@@ -72,4 +73,4 @@ def test_strips_that_would_not_go_together_are_cut_as_designed(
     assert not [slip for slip in surface_of(pattern).slips if slip.plain]
     lengths = [each["length"] for each in json.loads((tmp_path / result["strips_of"]).read_text())["ribbons"]]
     assert [strip.length for strip in pattern.strips] == pytest.approx(lengths, abs=1e-3)
-    assert cli.main(["twin", str(tmp_path), "--json"]) == 0
+    assert main.main(["twin", str(tmp_path), "--json"]) == 0

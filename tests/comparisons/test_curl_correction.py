@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from surfaces import surface, two_pieces
 
-from geoweave import shapes
-from geoweave.curl_correction import Measure, curl_corrected_scale, local_curl
+from geoweave.comparisons.curl_correction import Measure, curl_corrected_scale, local_curl
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.mesh import TriMesh
-from geoweave.part import part_of
-from tests.surfaces import surface, two_pieces
+from geoweave.fields.face_field import FaceField
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.surface.submesh import part_of
 
 MEASURES: tuple[Measure, ...] = ("relative", "absolute")
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from surfaces import surface
 
-from geoweave import shapes
-from geoweave.domains import area_holding, ordered_domains, worst_share
+from geoweave.comparisons.domains import area_holding, ordered_domains, worst_share
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, random_field
-from geoweave.rosy import smoothest_field
+from geoweave.fields.face_field import FaceField, random_field
+from geoweave.fields.rosy import smoothest_field
+from geoweave.models import shapes
 
 
 def sectors(mesh):

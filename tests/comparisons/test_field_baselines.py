@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from surfaces import ALL, CLOSED, surface
 
-from geoweave import baselines, shapes
-from geoweave.baselines import (
+from geoweave.comparisons import field_baselines
+from geoweave.comparisons.field_baselines import (
     anti_holomorphic_field,
     conformal_energy,
     fitted_curl,
@@ -13,14 +13,15 @@ from geoweave.baselines import (
     sharpened_field,
     spectral_field,
 )
-from geoweave.curves import geodesic_curvature
+from geoweave.curves.curves import geodesic_curvature
+from geoweave.curves.tracing import streamlines
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, total_curl
-from geoweave.mesh import TriMesh
-from geoweave.operators import as_real, field_mass, gradient
-from geoweave.rosy import smoothest_field
-from geoweave.singularities import index_sum
-from geoweave.tracing import streamlines
+from geoweave.fields.face_field import FaceField, total_curl
+from geoweave.fields.operators import as_real, field_mass, gradient
+from geoweave.fields.rosy import smoothest_field
+from geoweave.fields.singularities import index_sum
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 
 def energy(form, values) -> float:
@@ -223,7 +224,7 @@ def test_spectral_projection_is_one():
 def test_spectral_projection_lowers_the_energy_per_length(name):
     """Dropping the components of high energy lowers the mean, whatever the field."""
     mesh = surface(name)
-    form, mass = baselines._geodesic_form(mesh, baselines.SPECTRAL_ROUGHNESS), field_mass(mesh)
+    form, mass = field_baselines._geodesic_form(mesh, field_baselines.SPECTRAL_ROUGHNESS), field_mass(mesh)
     start = smoothest_field(mesh, phase="seeded")
     mean = [
         (x @ (form @ x)) / (x @ (mass @ x))
@@ -311,8 +312,8 @@ def test_constants_are_in_the_documented_units():
     start = smoothest_field(ball, phase="seeded")
     named = sharpened_field(
         start,
-        scale=baselines.CURL_SCALE / ball.bounding_radius,
-        smoothing=baselines.SMOOTHING * ball.mean_edge / ball.bounding_radius,
+        scale=field_baselines.CURL_SCALE / ball.bounding_radius,
+        smoothing=field_baselines.SMOOTHING * ball.mean_edge / ball.bounding_radius,
         steps=2,
     )[0]
     np.testing.assert_array_equal(named.values, sharpened_field(start, steps=2)[0].values)

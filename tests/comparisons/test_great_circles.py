@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from surfaces import surface
 
-from geoweave.fields import FaceField, total_curl
-from geoweave.great_circles import meridian_angle, meridian_axis, meridian_field
-from geoweave.singularities import singular_vertices
+from geoweave.comparisons.great_circles import meridian_angle, meridian_axis, meridian_field
+from geoweave.fields.face_field import FaceField, total_curl
+from geoweave.fields.singularities import singular_vertices
 
 AXIS = np.array([2.0, -3.0, 6.0]) / 7
 

@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
+from surfaces import surface
 
-from geoweave import models
-from geoweave.alignment import alignment
-from geoweave.circle import TURN
-from geoweave.compared import TITLES, Method, geodesic_from, integrated, steepness
+from geoweave.comparisons.integration_methods import TITLES, Method, geodesic_from, integrated, steepness
+from geoweave.comparisons.mixed_integer import mixed_integer_parameterization
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.integration import punctured
-from geoweave.isolines import isolines
-from geoweave.mixed_integer import mixed_integer_parameterization
-from geoweave.singularities import singular_vertices
-from tests.surfaces import surface
+from geoweave.fields.face_field import FaceField
+from geoweave.fields.singularities import singular_vertices
+from geoweave.foliation.circle_function import TURN
+from geoweave.foliation.foliation import punctured
+from geoweave.foliation.level_set_alignment import alignment
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import catalogue
 
 SPHERE = geodesic_from(surface("sphere"), "smoothest")
 
@@ -45,7 +45,7 @@ def test_frequency_is_the_length_of_level_sets_per_area() -> None:
 
 
 def test_a_torus_has_singularities_from_a_random_start_only() -> None:
-    ring = models.load("torus")
+    ring = catalogue.load("torus")
     assert not len(singular_vertices(geodesic_from(ring, "smoothest")))
     assert len(singular_vertices(geodesic_from(ring, "random")))
 

@@ -4,17 +4,17 @@ import itertools
 
 import numpy as np
 import pytest
+from surfaces import ALL, surface, two_pieces
 
-from geoweave import shapes
-from geoweave.alignment import alignment
-from geoweave.circle import TURN, CircleFunction
+from geoweave.comparisons.mixed_integer import greedy_rounding, mixed_integer_parameterization
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, random_field
-from geoweave.mesh import TriMesh
-from geoweave.mixed_integer import greedy_rounding, mixed_integer_parameterization
-from geoweave.operators import ClosedFields, as_real, field_mass
-from geoweave.part import part_of
-from tests.surfaces import ALL, surface, two_pieces
+from geoweave.fields.face_field import FaceField, random_field
+from geoweave.fields.operators import ClosedFields, as_real, field_mass
+from geoweave.foliation.circle_function import TURN, CircleFunction
+from geoweave.foliation.level_set_alignment import alignment
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.surface.submesh import part_of
 
 
 def levels_of(circle: CircleFunction) -> tuple[FaceField, np.ndarray]:

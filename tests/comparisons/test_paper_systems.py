@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from surfaces import surface
 
-from geoweave.fields import FaceField, Handles, edge_curl, random_field
-from geoweave.geodesic import ClosedProjection, ordering_of
-from geoweave.operators import ClosedFields
-from geoweave.reference import kkt_closed_field, kkt_system
+from geoweave.comparisons.paper_systems import kkt_closed_field, kkt_system
+from geoweave.fields.face_field import FaceField, Handles, edge_curl, random_field
+from geoweave.fields.geodesic import ClosedProjection, ordering_of
+from geoweave.fields.operators import ClosedFields
 
 # Genus 0, 1 and 5, with and without boundary, of one piece and of two.
 MESHES = ["jagged sphere", "torus", "genus 5", "disk", "annulus", "Schwarz-P", "two pieces"]

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from geoweave.curves import Curves, geodesic_curvature
+from geoweave.curves.curves import Curves, bending, geodesic_curvature
+from geoweave.curves.tracing import streamlines
 from geoweave.errors import FieldError
-from geoweave.mesh import TriMesh
+from geoweave.fields.face_field import FaceField
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 
 @pytest.fixture(scope="module")
@@ -121,3 +124,18 @@ def test_arrays_that_do_not_fit_are_refused(square):
     for window in (0.0, np.nan):
         with pytest.raises(FieldError, match="positive length"):
             geodesic_curvature(good, window)
+
+
+@pytest.mark.parametrize("size", [1.0, 50.0])
+def test_bending_is_a_number_without_unit(size):
+    """Circles of radius r turn 1 / r per length: on a disk of radius R the mean of R / r over the lines."""
+    disk = shapes.disk(3000)
+    mesh = type(disk)(disk.vertices * size, disk.faces)
+    x, y, _ = mesh.barycenters.T
+    straight = FaceField.from_ambient(mesh, np.stack([0 * x + 1, 0 * x, 0 * x], axis=1))
+    assert bending(streamlines(straight, separation=0.1 * size)) < 1e-6
+    round_ = FaceField.from_ambient(mesh, np.stack([-y, x, 0 * x], axis=1)).normalized()
+    curves = streamlines(round_, separation=0.1 * size)
+    mean = np.average(np.abs(geodesic_curvature(curves)), weights=curves.segment_lengths)
+    assert bending(curves) == pytest.approx(mean * size, rel=0.02)
+    assert 1.0 < bending(curves) < 4.0

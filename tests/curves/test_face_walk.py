@@ -6,8 +6,16 @@ import numpy as np
 import pytest
 import trimesh
 
-from geoweave.facewalk import around_vertex, ground, in_space, leave, on_edge_in_space, straight_walk, unfold
-from geoweave.mesh import TriMesh
+from geoweave.curves.face_walk import (
+    around_vertex,
+    ground,
+    in_space,
+    leave,
+    on_edge_in_space,
+    straight_walk,
+    unfold,
+)
+from geoweave.surface.mesh import TriMesh
 
 
 def still(mesh: TriMesh):

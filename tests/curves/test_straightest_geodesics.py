@@ -6,15 +6,15 @@ import numpy as np
 import potpourri3d
 import pytest
 import trimesh
+from surfaces import surface
 
-from geoweave import shapes
-from geoweave.circle import TURN, CircleFunction
-from geoweave.curves import Curves, geodesic_curvature
+from geoweave.curves.curves import Curves, geodesic_curvature
+from geoweave.curves.straightest_geodesics import crossings, straightest
 from geoweave.errors import FieldError
-from geoweave.isolines import isolines
-from geoweave.mesh import TriMesh
-from geoweave.straightest import crossings, straightest
-from tests.surfaces import surface
+from geoweave.foliation.circle_function import TURN, CircleFunction
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 BOX = trimesh.creation.box()
 

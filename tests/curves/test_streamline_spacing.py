@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave.separation import Samples, blocked, enlarged, forget, remember, room_for
+from geoweave.curves.streamline_spacing import Samples, blocked, enlarged, forget, remember, room_for
 
 NOWHERE = np.zeros((3, 3))
 

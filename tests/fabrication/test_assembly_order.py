@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from laidflat import NAMES, UP, crossing, document, flat, patterns, ribbon
 
-from geoweave.assembly import BACKBONE, MEDIUM, assembly
-from geoweave.pattern import Pattern, pattern_of
-from tests.laidflat import NAMES, UP, crossing, document, flat, patterns, ribbon
+from geoweave.fabrication.assembly_order import BACKBONE, MEDIUM, assembly
+from geoweave.fabrication.pattern import Pattern, pattern_of
 
 
 def meets(pattern: Pattern, one: int, others: set[int]) -> int:

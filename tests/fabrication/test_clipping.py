@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave.clipping import clipped, dashes, outside, rectangle, span, within
-from geoweave.lettering import Box
+from geoweave.fabrication.clipping import clipped, dashes, outside, rectangle, span, within
+from geoweave.fabrication.stroke_font import Box
 
 
 def test_a_segment_lies_in_a_box_where_its_points_do() -> None:

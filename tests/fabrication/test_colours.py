@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import ROLES, Figure, Role
-from geoweave.inks import FAMILIES, Colours, ink, mixed
+from geoweave.fabrication.colours import FAMILIES, Colours, ink, mixed
+from geoweave.fabrication.strip_drawing import ROLES, Figure, Role
 
 
 def figure(role: Role, family: int = 0) -> Figure:

@@ -6,12 +6,12 @@ import csv
 import io
 
 import pytest
+from laidflat import NAMES, patterns
 
-from geoweave.assembly import assembly
-from geoweave.cutlist import COLUMNS, cut_list
 from geoweave.errors import FieldError
-from geoweave.pieces import Making
-from tests.laidflat import NAMES, patterns
+from geoweave.fabrication.assembly_order import assembly
+from geoweave.fabrication.cut_list import COLUMNS, cut_list
+from geoweave.fabrication.pieces import Making
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 from ezdxf._options import options
 from ezdxf.document import Drawing
+from laidflat import patterns, sheet
 
-from geoweave.drawing_dxf import APPLICATION, write_dxf
-from geoweave.inks import Colours
-from tests.laidflat import patterns
-from tests.test_drawing_svg import sheet
+from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.dxf import APPLICATION, write_dxf
 
 
 def read(name: str, folder: Path, colours: Colours | None = None) -> Drawing:

@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 import trimesh
+from laidflat import UP, bow_tie, circles, cone, crossing, document, flat, ribbon
 
 from geoweave.errors import FieldError
-from geoweave.inks import FAMILIES
-from geoweave.relaxed import relaxed_weave
-from geoweave.solid import CLEAR, courses, glb_bytes, solid_ribbons
-from tests.laidflat import UP, bow_tie, circles, cone, crossing, document, flat, ribbon
+from geoweave.fabrication.colours import FAMILIES
+from geoweave.fabrication.glb import CLEAR, courses, glb_bytes, solid_ribbons
+from geoweave.rods.weave_at_rest import relaxed_weave
 
 
 @cache

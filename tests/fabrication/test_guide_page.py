@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 from browser import PHONE, browser, opened
+from laidflat import bow_tie, circles, cone, document, flat, patterns
 
-from geoweave.assembly import assembly
 from geoweave.errors import FieldError
-from geoweave.fabrication import write
-from geoweave.guide import guide_html
-from geoweave.output import OutputError
-from geoweave.pattern import pattern_of
-from tests.laidflat import bow_tie, circles, cone, document, flat, patterns
+from geoweave.fabrication.assembly_order import assembly
+from geoweave.fabrication.guide_page import guide_html
+from geoweave.fabrication.maker_files import write
+from geoweave.fabrication.pattern import pattern_of
+from geoweave.files import OutputError
 
 SOURCES = {"flat": flat, "circles": circles, "bow tie": bow_tie, "cone": lambda: cone().document()}
 ACCENT = (216, 54, 28)

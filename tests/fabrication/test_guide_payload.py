@@ -8,14 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from laidflat import NAMES, bow_tie, circles, cone, flat, pairs_often, patterns
 
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import drawn
-from geoweave.guide_data import GRAIN, drawings, shape, varints
-from geoweave.inks import Colours, ink
-from geoweave.pieces import Making, pieces_of
-from geoweave.solid import courses
-from tests.laidflat import NAMES, bow_tie, circles, cone, flat, pairs_often, patterns
+from geoweave.fabrication.colours import Colours, ink
+from geoweave.fabrication.glb import courses
+from geoweave.fabrication.guide_payload import GRAIN, drawings, shape, varints
+from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.strip_drawing import drawn
 
 SOURCES = {
     "flat": flat,

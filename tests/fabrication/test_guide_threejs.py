@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from geoweave.guide_library import three_js
-from geoweave.output import OutputError
+from geoweave.fabrication.guide_threejs import three_js
+from geoweave.files import OutputError
 
 HEAD = "/**\n * @license\n * Copyright 2010-2022 Three.js Authors\n */"
 

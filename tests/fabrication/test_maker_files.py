@@ -6,15 +6,15 @@ import json
 from pathlib import Path
 
 import pytest
+from laidflat import circles, flat, patterns
 
 from geoweave.errors import FieldError
-from geoweave.fabrication import FORMATS, Bench, check_formats, write
-from geoweave.nesting import Stock
-from geoweave.output import OutputError
-from geoweave.pattern import Pattern
-from geoweave.pieces import Making
-from geoweave.solid import glb_bytes
-from tests.laidflat import circles, flat, patterns
+from geoweave.fabrication.glb import glb_bytes
+from geoweave.fabrication.maker_files import FORMATS, Bench, check_formats, write
+from geoweave.fabrication.nesting import Stock
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pieces import Making
+from geoweave.files import OutputError
 
 ALL = {
     "pattern.json",

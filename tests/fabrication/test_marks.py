@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from geoweave.errors import FieldError
-from geoweave.marks import MARKS, NEAR, assigned, outline
+from geoweave.fabrication.marks import MARKS, NEAR, assigned, outline
 
 
 def inside(polygon: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.bool_]:

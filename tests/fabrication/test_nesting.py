@@ -6,13 +6,13 @@ import math
 from itertools import combinations
 
 import pytest
+from laidflat import NAMES, patterns
 
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import drawn
-from geoweave.lettering import Box, boxes_overlap
-from geoweave.nesting import Laid, Stock, nested
-from geoweave.pieces import Making, pieces_of
-from tests.laidflat import NAMES, patterns
+from geoweave.fabrication.nesting import Laid, Stock, nested
+from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.strip_drawing import drawn
+from geoweave.fabrication.stroke_font import Box, boxes_overlap
 
 
 def extent(laid: Laid) -> Box:

@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from laidflat import NAMES, UP, bow_tie, circles, cone, flat, patterns
 
 from geoweave.errors import FieldError
-from geoweave.marks import MARKS
-from geoweave.pattern import Pattern, bow_and_turning, pattern_of
-from tests.laidflat import NAMES, UP, bow_tie, circles, cone, flat, patterns
+from geoweave.fabrication.marks import MARKS
+from geoweave.fabrication.pattern import Pattern, bow_and_turning, pattern_of
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -9,15 +9,15 @@ import numpy as np
 import pypdfium2 as pdfium
 import pypdfium2.raw as raw
 import pytest
+from laidflat import patterns
 from numpy.typing import NDArray
 
-from geoweave.drawing_pdf import CROSS, PAPERS, RULER, Paper, laid_on_pages, page_stock, pdf_bytes
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import drawn
-from geoweave.inks import INK, Colours
-from geoweave.nesting import Sheet
-from geoweave.pieces import Making, Piece, pieces_of
-from tests.laidflat import patterns
+from geoweave.fabrication.colours import INK, Colours
+from geoweave.fabrication.nesting import Sheet
+from geoweave.fabrication.pdf import CROSS, PAPERS, RULER, Paper, laid_on_pages, page_stock, pdf_bytes
+from geoweave.fabrication.pieces import Making, Piece, pieces_of
+from geoweave.fabrication.strip_drawing import drawn
 
 MM = 72 / 25.4
 OVERLAP = 15.0

@@ -7,10 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from laidflat import NAMES, patterns
 
 from geoweave.errors import FieldError
-from geoweave.pieces import Making, cut_length, pieces_of, shown
-from tests.laidflat import NAMES, patterns
+from geoweave.fabrication.pieces import Making, cut_length, pieces_of, shown
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -9,14 +9,14 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from laidflat import NAMES, patterns
 
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import ROLES, Drawn, Figure, drawn
-from geoweave.lettering import Box, boxes_overlap
-from geoweave.marks import outline
-from geoweave.pattern import Pattern
-from geoweave.pieces import Making, pieces_of
-from tests.laidflat import NAMES, patterns
+from geoweave.fabrication.marks import outline
+from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.strip_drawing import ROLES, Drawn, Figure, drawn
+from geoweave.fabrication.stroke_font import Box, boxes_overlap
 
 PLAIN = Making()
 

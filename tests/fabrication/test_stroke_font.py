@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from geoweave.errors import FieldError
-from geoweave.lettering import PEN, Board, Box, boxes_overlap, text_box, text_strokes
+from geoweave.fabrication.stroke_font import PEN, Board, Box, boxes_overlap, text_box, text_strokes
 
 
 def test_the_box_holds_the_strokes_and_the_pen() -> None:

@@ -9,26 +9,18 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from laidflat import NAMES, patterns, sheet
 from numpy.typing import NDArray
 
-from geoweave.drawing_svg import read_svg, svg_text, write_svg
 from geoweave.errors import FieldError
-from geoweave.flatdrawing import drawn
-from geoweave.inks import Colours
-from geoweave.lettering import Box, boxes_overlap
-from geoweave.marks import outline
-from geoweave.nesting import Sheet, Stock, nested
-from geoweave.pieces import Making, pieces_of
-from tests.laidflat import NAMES, patterns
+from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.marks import outline
+from geoweave.fabrication.pieces import Making
+from geoweave.fabrication.stroke_font import Box, boxes_overlap
+from geoweave.fabrication.svg import read_svg, svg_text, write_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
-
-
-def sheet(name: str, making: Making | None = None, stock: Stock | None = None) -> Sheet:
-    pattern, how, sheets = patterns()[name], making or Making(), stock or Stock()
-    (only,) = nested([drawn(pattern, p, how) for p in pieces_of(pattern, how, sheets.room)], sheets)
-    return only
 
 
 def read(name: str, colours: Colours | None = None, making: Making | None = None) -> ElementTree.Element:

@@ -5,7 +5,7 @@ import pytest
 from surfaces import ALL, surface
 
 from geoweave.errors import FieldError
-from geoweave.fields import (
+from geoweave.fields.face_field import (
     FaceField,
     Handles,
     edge_curl,
@@ -14,7 +14,7 @@ from geoweave.fields import (
     signed_curl,
     total_curl,
 )
-from geoweave.operators import as_complex, gradient
+from geoweave.fields.operators import as_complex, gradient
 
 
 @pytest.mark.parametrize("name", ALL)

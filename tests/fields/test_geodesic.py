@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from surfaces import ALL, surface
 
-from geoweave import shapes
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, Handles, edge_curl, random_field, total_curl
-from geoweave.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
-from geoweave.mesh import TriMesh
-from geoweave.operators import ClosedFields, dirichlet_energy, face_laplacian
-from geoweave.rosy import smoothest_field
-from geoweave.singularities import circulation, index_sum, singular_vertices
+from geoweave.fields.face_field import FaceField, Handles, edge_curl, random_field, total_curl
+from geoweave.fields.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
+from geoweave.fields.operators import ClosedFields, dirichlet_energy, face_laplacian
+from geoweave.fields.rosy import smoothest_field
+from geoweave.fields.singularities import circulation, index_sum, singular_vertices
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 
 def eq5_energy(mesh, w, v, smoothness):

@@ -5,9 +5,9 @@ import pytest
 from scipy import sparse
 from surfaces import ALL, surface
 
-from geoweave import operators as op
-from geoweave import shapes
-from geoweave.fields import edge_curl, random_field
+from geoweave.fields import operators as op
+from geoweave.fields.face_field import edge_curl, random_field
+from geoweave.models import shapes
 
 
 def face_sums(mesh):
@@ -94,7 +94,7 @@ def test_dual_weight_is_the_reciprocal_cotan_on_equilateral_triangles():
     mesh = surface("disk")
     weights = op.dual_weights(mesh)
     assert (weights > 0).all()
-    from geoweave.mesh import TriMesh
+    from geoweave.surface.mesh import TriMesh
 
     h = np.sqrt(3) / 2
     pair = TriMesh(

@@ -6,13 +6,19 @@ import numpy as np
 import pytest
 from surfaces import ALL, surface
 
-from geoweave import models, shapes
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, edge_curl, total_curl
-from geoweave.mesh import TriMesh
-from geoweave.operators import connection_laplacian, dirichlet_energy
-from geoweave.rosy import RoSyField, diffused_field, smoothest_eigenfield, smoothest_field, smoothest_rosy
-from geoweave.singularities import boundary_indices, singular_vertices, vertex_indices
+from geoweave.fields.face_field import FaceField, edge_curl, total_curl
+from geoweave.fields.operators import connection_laplacian, dirichlet_energy
+from geoweave.fields.rosy import (
+    RoSyField,
+    diffused_field,
+    smoothest_eigenfield,
+    smoothest_field,
+    smoothest_rosy,
+)
+from geoweave.fields.singularities import boundary_indices, singular_vertices, vertex_indices
+from geoweave.models import catalogue, shapes
+from geoweave.surface.mesh import TriMesh
 
 
 @pytest.mark.parametrize("name", ALL)
@@ -220,7 +226,7 @@ def test_flat_surfaces_need_no_branch_points():
 
 
 def test_bunny_rosy_sums_to_twelve_sixths():
-    rosy = smoothest_rosy(models.load("bunny"), 6)
+    rosy = smoothest_rosy(catalogue.load("bunny"), 6)
     assert index_sum(rosy) == rosy.index_numerators.sum() == 12
     assert set(np.abs(rosy.index_numerators)) <= {0, 1, 2}
 

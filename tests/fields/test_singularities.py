@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from surfaces import ALL, CLOSED, surface
 
-from geoweave.fields import FaceField, random_field
-from geoweave.rosy import smoothest_field
-from geoweave.singularities import (
+from geoweave.fields.face_field import FaceField, random_field
+from geoweave.fields.rosy import smoothest_field
+from geoweave.fields.singularities import (
     boundary_indices,
     circulation,
     index_sum,

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+from surfaces import ALL, surface
 
-from geoweave import shapes
-from geoweave.circle import CircleFunction, wrapped
 from geoweave.errors import FieldError
-from geoweave.operators import as_complex, differences, gradient
-from tests.surfaces import ALL, surface
+from geoweave.fields.operators import as_complex, differences, gradient
+from geoweave.foliation.circle_function import CircleFunction, wrapped
+from geoweave.models import shapes
 
 
 def test_wrapping() -> None:

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from surfaces import surface
 
 import geoweave as gw
-from geoweave import shapes
 from geoweave.errors import FieldError, MeshError
-from geoweave.fields import FaceField
-from geoweave.geodesic import INTEGRABLE_END, sharpening_schedule
-from geoweave.integration import edge_prediction, foliate, global_scale, punctured
-from geoweave.mesh import TriMesh
-from geoweave.rescaling import perpendicular
-from geoweave.singularities import vertex_indices
-from tests.surfaces import surface
+from geoweave.fields.face_field import FaceField
+from geoweave.fields.geodesic import INTEGRABLE_END, sharpening_schedule
+from geoweave.fields.singularities import vertex_indices
+from geoweave.foliation.foliation import edge_prediction, foliate, global_scale, punctured
+from geoweave.foliation.integrability import perpendicular
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 NAMES = ("jagged sphere", "genus 5", "Schwarz-P", "two pieces", "disk")
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from surfaces import ALL, surface
 
-from geoweave import shapes
-from geoweave.circle import TURN, CircleFunction
-from geoweave.curves import Curves, lifted
+from geoweave.curves.curves import Curves, lifted
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.integration import foliate
-from geoweave.isolines import isolines
-from geoweave.mesh import TriMesh
-from geoweave.operators import differences
-from geoweave.part import part_of
-from tests.surfaces import ALL, surface
+from geoweave.fields.face_field import FaceField
+from geoweave.fields.operators import differences
+from geoweave.foliation.circle_function import TURN, CircleFunction
+from geoweave.foliation.foliation import foliate
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.surface.submesh import part_of
 
 
 def real_valued(mesh: TriMesh, values: np.ndarray) -> CircleFunction:

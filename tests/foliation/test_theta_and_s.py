@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from surfaces import surface
 
 import geoweave as gw
-from geoweave import linalg, shapes
-from geoweave.alternation import FLOOR, Alternation
 from geoweave.arrays import Scalars
-from geoweave.integration import punctured
-from geoweave.rescaling import vertices_and_faces
-from tests.surfaces import surface
+from geoweave.foliation.foliation import punctured
+from geoweave.foliation.integrability import vertices_and_faces
+from geoweave.foliation.theta_and_s import FLOOR, Alternation
+from geoweave.models import shapes
+from geoweave.sparse import factorization
 
 NAMES = ("jagged sphere", "genus 5", "two pieces")
 
@@ -67,7 +68,7 @@ def test_small_and_large_factorisations_take_the_same_steps(monkeypatch: pytest.
     """What SuperLU finds without an analysis our Cholesky finds with one, kept from step to step."""
     found = []
     for large in (10**9, 1):
-        monkeypatch.setattr(linalg, "LARGE", large)
+        monkeypatch.setattr(factorization, "LARGE", large)
         steps, theta, s = problem("genus 5")
         for _ in range(3):
             theta, s = steps.improve_both(theta, s)

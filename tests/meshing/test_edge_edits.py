@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.closest import segment_tree, triangle_tree
-from geoweave.edits import collapse_edges, flip_edges, relax_vertices
-from geoweave.mesh import TriMesh
-from geoweave.patch import Guide, Patch
-from geoweave.remesh import closed_up, opened_patch, split_long
+from geoweave.meshing.edge_edits import collapse_edges, flip_edges, relax_vertices
+from geoweave.meshing.halfedge_patch import Guide, Patch
+from geoweave.meshing.remesh import closed_up, opened_patch, split_long
+from geoweave.models import shapes
+from geoweave.surface.closest_point import segment_tree, triangle_tree
+from geoweave.surface.mesh import TriMesh
 
 SURFACES = {
     "sphere": lambda: shapes.sphere(faces=320),

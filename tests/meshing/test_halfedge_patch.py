@@ -1,10 +1,7 @@
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.closest import segment_tree, triangle_tree
-from geoweave.mesh import TriMesh
-from geoweave.patch import (
+from geoweave.meshing.halfedge_patch import (
     FREE,
     LOCKED,
     ON_CURVE,
@@ -17,7 +14,10 @@ from geoweave.patch import (
     preceding,
     slide,
 )
-from geoweave.remesh import opened_patch
+from geoweave.meshing.remesh import opened_patch
+from geoweave.models import shapes
+from geoweave.surface.closest_point import segment_tree, triangle_tree
+from geoweave.surface.mesh import TriMesh
 
 SQUARE = TriMesh(
     np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0]]),

@@ -3,7 +3,7 @@ import pytest
 from meshfiles import encode, octahedron
 
 from geoweave.errors import MeshError
-from geoweave.formats import fan_triangles, read_obj, read_off, read_stl
+from geoweave.meshing.obj_off_stl import fan_triangles, read_obj, read_off, read_stl
 
 
 def test_fan_triangles_of_mixed_polygons():

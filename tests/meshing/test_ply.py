@@ -3,7 +3,7 @@ import pytest
 from meshfiles import encode, octahedron
 
 from geoweave.errors import MeshError
-from geoweave.ply import read_ply
+from geoweave.meshing.ply import read_ply
 
 
 @pytest.mark.parametrize("kind", ["ply", "ply-little", "ply-big"])

@@ -3,7 +3,7 @@ import pytest
 from meshfiles import FORMATS, fin, moebius_strip, octahedron, sheet, soup, sphere, write
 
 from geoweave.errors import MeshError
-from geoweave.prepare import COARSEST, UNEVEN, RepairReport, evened, prepare_arrays, read_mesh
+from geoweave.meshing.prepare import COARSEST, UNEVEN, RepairReport, evened, prepare_arrays, read_mesh
 
 CLEAN = RepairReport()
 
@@ -228,7 +228,7 @@ def test_remeshing_is_reported(tmp_path):
 
 
 def test_only_uneven_or_few_triangles_are_remeshed_for_a_weave():
-    from geoweave import shapes
+    from geoweave.models import shapes
 
     even = prepare_arrays(*arrays_of(shapes.torus(faces=2400)))
     assert evened(even) is even
@@ -247,7 +247,7 @@ def test_only_uneven_or_few_triangles_are_remeshed_for_a_weave():
 
 
 def test_the_largest_of_several_components_gets_enough_triangles():
-    from geoweave import shapes
+    from geoweave.models import shapes
 
     points, faces = arrays_of(shapes.torus(faces=900))
     two = prepare_arrays(
@@ -260,7 +260,7 @@ def test_the_largest_of_several_components_gets_enough_triangles():
 
 
 def test_a_topology_that_asks_for_more_triangles_gets_them(monkeypatch):
-    from geoweave import prepare
+    from geoweave.meshing import prepare
 
     asked = []
 

@@ -9,8 +9,8 @@ import pytest
 from meshfiles import FORMATS, encode, hostile, octahedron, sphere, write
 
 from geoweave.errors import MeshError
-from geoweave.prepare import read_mesh
-from geoweave.reading import read_arrays, shown
+from geoweave.meshing.prepare import read_mesh
+from geoweave.meshing.read import read_arrays, shown
 
 
 @pytest.mark.parametrize("kind", FORMATS)

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
 
-from geoweave import datasets, shapes
-from geoweave.closest import closest_points, segment_tree, triangle_tree
 from geoweave.errors import MeshError
-from geoweave.mesh import TriMesh
-from geoweave.remesh import isotropic_remesh
+from geoweave.meshing.remesh import isotropic_remesh
+from geoweave.models import datasets, shapes
+from geoweave.surface.closest_point import closest_points, segment_tree, triangle_tree
+from geoweave.surface.mesh import TriMesh
 
 SURFACES = {
     "armadillo": lambda: datasets.load("armadillo"),

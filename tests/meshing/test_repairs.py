@@ -2,33 +2,33 @@ import numpy as np
 import pytest
 from meshfiles import moebius_strip, octahedron, sheet, sphere
 
-from geoweave import mending
-from geoweave.mesh import TriMesh
+from geoweave.meshing import repairs
+from geoweave.surface.mesh import TriMesh
 
 
 def coincident(points, faces):
-    return mending.coincident(points, faces, mending.Edges.of(faces), mending.flat(points, faces))
+    return repairs.coincident(points, faces, repairs.Edges.of(faces), repairs.flat(points, faces))
 
 
 def flip_caps(points, faces):
-    return mending.flip_caps(points, faces, mending.Edges.of(faces), mending.flat(points, faces))
+    return repairs.flip_caps(points, faces, repairs.Edges.of(faces), repairs.flat(points, faces))
 
 
 def orientation(faces):
-    return mending.orientation(faces, mending.Edges.of(faces))
+    return repairs.orientation(faces, repairs.Edges.of(faces))
 
 
 def inside_out(points, faces):
-    return mending.inside_out(points, faces, mending.Edges.of(faces))
+    return repairs.inside_out(points, faces, repairs.Edges.of(faces))
 
 
 def separated_fans(faces):
-    return mending.separated_fans(faces, mending.Edges.of(faces))
+    return repairs.separated_fans(faces, repairs.Edges.of(faces))
 
 
 def test_edges_and_pairs():
     _, faces = octahedron()
-    edges = mending.Edges.of(faces)
+    edges = repairs.Edges.of(faces)
     assert edges.ends.shape == (12, 2)
     assert (edges.counts == 2).all()
     pairs = edges.manifold_pairs
@@ -39,10 +39,10 @@ def test_edges_and_pairs():
 def test_repeated_duplicate_and_flat_faces():
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [2, 0, 0], [1, 1e-14, 0]])
     faces = np.array([[0, 1, 2], [1, 2, 0], [2, 1, 0], [0, 1, 1], [0, 1, 3], [0, 3, 4], [1, 3, 2]])
-    assert mending.repeated(faces).tolist() == [False, False, False, True, False, False, False]
-    assert mending.duplicates(faces).tolist() == [False, True, True, False, False, False, False]
+    assert repairs.repeated(faces).tolist() == [False, False, False, True, False, False, False]
+    assert repairs.duplicates(faces).tolist() == [False, True, True, False, False, False, False]
     for scale in (1e-9, 1.0, 1e9):
-        assert mending.flat(scale * points, faces).tolist() == [False] * 3 + [True] * 3 + [False]
+        assert repairs.flat(scale * points, faces).tolist() == [False] * 3 + [True] * 3 + [False]
 
 
 def test_only_open_ends_are_welded():
@@ -117,10 +117,10 @@ def test_a_cap_is_flipped_away_without_opening_the_surface():
     points = np.concatenate([points, [middle]])
     for scale, shift in ((1.0, 0.0), (1e-9, 0.0), (1e9, 0.0), (1.0, 1e3)):
         placed = scale * points + shift
-        assert mending.flat(placed, faces).sum() == 1
+        assert repairs.flat(placed, faces).sum() == 1
         flipped, count = flip_caps(placed, faces)
         assert count == 1
-        assert not mending.flat(placed, flipped).any()
+        assert not repairs.flat(placed, flipped).any()
         mesh = TriMesh(placed, flipped)
         assert (mesh.euler_characteristic, len(mesh.boundary_loops)) == (2, 0)
         assert mesh.face_areas.sum() == pytest.approx(TriMesh(*octahedron()).face_areas.sum() * scale**2)

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from meshfiles import sphere
 
-from geoweave.mesh import TriMesh
-from geoweave.output import OutputError
-from geoweave.prepare import RepairReport, read_mesh
-from geoweave.writing import WRITTEN, write_mesh
+from geoweave.files import OutputError
+from geoweave.meshing.prepare import RepairReport, read_mesh
+from geoweave.meshing.write import WRITTEN, write_mesh
+from geoweave.surface.mesh import TriMesh
 
 
 @pytest.mark.parametrize("ending", WRITTEN)

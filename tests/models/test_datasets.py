@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoweave import datasets
 from geoweave.errors import DataError
+from geoweave.models import datasets
 
 EMBEDDED = [name for name in datasets.names() if datasets.dataset(name).embedded]
 FETCHED = [name for name in datasets.names() if not datasets.dataset(name).embedded]

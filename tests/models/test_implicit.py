@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from geoweave.implicit import bumpy_box, crown, level_set, rocker_arm, schwarz_p, vessel
+from geoweave.models.implicit import bumpy_box, crown, level_set, rocker_arm, schwarz_p, vessel
 
 
 def ball(x: np.ndarray) -> np.ndarray:

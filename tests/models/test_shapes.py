@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from geoweave import shapes
 from geoweave.errors import MeshError
-from geoweave.mesh import TriMesh
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 # name -> builder, genus, boundary loops
 TOPOLOGY = {

@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from geoweave import shapes
-from geoweave import sweep as engine
-from geoweave.output import OutputError
-from geoweave.sweep import COLUMNS, Row, folder_names, sweep, table_texts
-from geoweave.terminal import Surface
-from geoweave.weaving import Asked
-from geoweave.writing import write_mesh
+from geoweave.cli.options import Surface
+from geoweave.cli.weave_command import Asked
+from geoweave.files import OutputError
+from geoweave.meshing.write import write_mesh
+from geoweave.models import shapes
+from geoweave.pipeline import batch as engine
+from geoweave.pipeline.batch import COLUMNS, Row, folder_names, sweep, table_texts
 
 ASKED = Asked(6, None, 0.5, None, None, None, ("json",), False)
 

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.interlacing import Crossings
-from geoweave.output import OutputError, sha256_of
-from geoweave.outputs import FORMATS, check_formats, listed_files, rod_file, write_weave
-from geoweave.rodfiles import read_rods
-from geoweave.weave import weave_pattern
-from geoweave.woven import Weave
+from geoweave.files import OutputError, sha256_of
+from geoweave.models import shapes
+from geoweave.pipeline.weave_folder import FORMATS, check_formats, listed_files, rod_file, write_weave
+from geoweave.rods.rod_file import read_rods
+from geoweave.weave.design import weave_pattern
+from geoweave.weave.interlacing import Crossings
+from geoweave.weave.weave import Weave
 
 
 @cache

@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from clusters import cluster
 
-from geoweave import pools
-from geoweave.pools import DIED, Ended, PoolError, on_cluster, on_this_machine
-from tests.clusters import cluster
+from geoweave.pipeline import workers
+from geoweave.pipeline.workers import DIED, Ended, PoolError, on_cluster, on_this_machine
 
 
 def doubled(number: int) -> tuple[int, int]:
@@ -61,8 +61,8 @@ def test_what_a_worker_raises_is_said(address: str) -> None:
 
 
 def test_clusters_that_are_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pools, "CONNECTING", 1.0)
-    monkeypatch.setattr(pools, "WORKERS", 1.0)
+    monkeypatch.setattr(workers, "CONNECTING", 1.0)
+    monkeypatch.setattr(workers, "WORKERS", 1.0)
     before = threading.active_count()
     for wrong in ("tcp://127.0.0.1:9", "no-such-place", "nowhere://x"):
         with pytest.raises(PoolError, match="no Dask scheduler answers there"):

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from rodded import MATERIAL
 
-from geoweave.contact_energies import contact_orientation, contact_position
-from geoweave.rods import Contacts
+from geoweave.rods.contact_energies import contact_orientation, contact_position
+from geoweave.rods.rods import Contacts
 
 
 def two_bars(height, angle=0.0, *, over=1):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from rodded import any_rotation, bar, circle, rods_of, turned
 
-from geoweave.departure import departure, fitted, held, rigid_fit, vertex_weights
-from geoweave.rodfiles import RodError
-from geoweave.rods import Contacts
-from geoweave.shapes import sphere
+from geoweave.models.shapes import sphere
+from geoweave.rods.departure import departure, fitted, held, rigid_fit, vertex_weights
+from geoweave.rods.rod_file import RodError
+from geoweave.rods.rods import Contacts
 
 
 def hoops():

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rodded import MATERIAL, any_rotation, bar, crumpled, helix, ring, turned
 
-from geoweave.contact_energies import contact_orientation, contact_position
-from geoweave.rod_energies import (
+from geoweave.rods.contact_energies import contact_orientation, contact_position
+from geoweave.rods.elastic_energies import (
     Term,
     edgewise_bending,
     elastic_terms,
@@ -15,7 +15,7 @@ from geoweave.rod_energies import (
     stretching,
     twisting,
 )
-from geoweave.rods import Rods
+from geoweave.rods.rods import Rods
 
 
 def all_terms(rods):

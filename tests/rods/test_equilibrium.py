@@ -6,10 +6,10 @@ from rodded import any_rotation, bar, crumpled, helix, ring, turned
 from scipy.optimize import brentq
 from scipy.special import ellipeinc, ellipkinc
 
-from geoweave.equilibrium import Stepping, minimized
 from geoweave.errors import FieldError
-from geoweave.rod_energies import elastic_terms
-from geoweave.rod_matrix import analysed
+from geoweave.rods.elastic_energies import elastic_terms
+from geoweave.rods.equilibrium import Stepping, minimized
+from geoweave.rods.hessian import analysed
 
 
 def clamped(rods):
@@ -160,7 +160,7 @@ def test_it_ends_when_nothing_can_be_won():
 
 
 def test_an_energy_that_turns_into_nan_is_never_accepted():
-    from geoweave.rod_energies import Term
+    from geoweave.rods.elastic_energies import Term
 
     rods = ring(12)
     (stretch, *_) = elastic_terms(rods.layout)

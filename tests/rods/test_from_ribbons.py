@@ -4,15 +4,14 @@ import numpy as np
 import pytest
 from rodded import circle
 
-from geoweave.curves import Curves
-from geoweave.interlacing import Crossings as Passages
-from geoweave.interlacing import optimal
-from geoweave.relaxation import relax
-from geoweave.ribbon_rods import ends_on, file_of_rods, rods_of_file, rods_of_ribbons
-from geoweave.ribbons import Cutting, Ribbons
-from geoweave.rodfiles import Rod, RodCrossing, RodError, RodFile, read_rods, write_rods
-from geoweave.shapes import sphere
-from geoweave.straightest import crossings, straightest
+from geoweave.curves.curves import Curves
+from geoweave.curves.straightest_geodesics import crossings, straightest
+from geoweave.models.shapes import sphere
+from geoweave.rods.from_ribbons import ends_on, file_of_rods, rods_of_file, rods_of_ribbons
+from geoweave.rods.rod_file import Rod, RodCrossing, RodError, RodFile, read_rods, write_rods
+from geoweave.rods.slide_and_relax import relax
+from geoweave.weave.interlacing import Crossings as Passages, optimal
+from geoweave.weave.ribbons import Cutting, Ribbons
 
 
 def bar(points, directors=None, **options):

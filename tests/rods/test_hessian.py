@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from rodded import crumpled
 
-from geoweave import cholesky, rod_matrix
-from geoweave.relaxation import relaxing_terms
+from geoweave.rods import hessian
+from geoweave.rods.slide_and_relax import relaxing_terms
+from geoweave.sparse import cholesky
 
 
 @pytest.mark.parametrize("held", [0, 9])
@@ -11,7 +12,7 @@ def test_the_matrix_is_the_sum_of_squared_jacobians(held):
     rods = crumpled()
     terms = relaxing_terms(rods)
     fixed = np.arange(rods.size) < held
-    pattern = rod_matrix.analysed(rods.size, terms, fixed)
+    pattern = hessian.analysed(rods.size, terms, fixed)
     shift = np.linspace(0.1, 0.2, rods.size)
     plain = pattern.matrix([term.derivative(rods) for term in terms], [None] * len(terms))
     matrix = pattern.shifted(plain, shift)
@@ -25,7 +26,7 @@ def test_the_matrix_is_the_sum_of_squared_jacobians(held):
 def test_the_pattern_is_factored_at_other_places_too():
     rods = crumpled()
     terms = relaxing_terms(rods)
-    pattern = rod_matrix.analysed(rods.size, terms, np.zeros(rods.size, dtype=bool))
+    pattern = hessian.analysed(rods.size, terms, np.zeros(rods.size, dtype=bool))
     moved = rods.stepped(0.01 * np.ones(rods.size))
     plain = pattern.matrix([t.derivative(moved) for t in terms], [None] * len(terms))
     matrix = pattern.shifted(plain, np.ones(rods.size))
@@ -38,7 +39,7 @@ def test_the_pattern_is_factored_at_other_places_too():
 def test_curvature_is_added_where_it_is_given():
     rods = crumpled()
     terms = relaxing_terms(rods)
-    pattern = rod_matrix.analysed(rods.size, terms, np.zeros(rods.size, dtype=bool))
+    pattern = hessian.analysed(rods.size, terms, np.zeros(rods.size, dtype=bool))
     derivatives = [term.derivative(rods) for term in terms]
     longer = rods.stepped(0.5 * np.concatenate([rods.points.ravel(), np.zeros(rods.layout.segments)]))
     extra = [

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.optimize import Bounds, LinearConstraint, milp
 
-from geoweave.interlacing import greedy, judged, optimal
-from geoweave.output import OutputError
-from geoweave.rodfiles import Rod, RodCrossing, RodError, RodFile, read_rods, write_rods
+from geoweave.files import OutputError
+from geoweave.rods.rod_file import Rod, RodCrossing, RodError, RodFile, read_rods, write_rods
+from geoweave.weave.interlacing import greedy, judged, optimal
 
-PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
+PEER = Path(__file__).resolve().parents[3] / "shared" / "peer"
 needs_peers = pytest.mark.skipif(not PEER.is_dir(), reason="RibbonSim's files are not beside the checkout")
 
 

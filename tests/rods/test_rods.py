@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from rodded import MATERIAL, any_rotation, bar, circle, crumpled, helix, ring, rods_of, turned
 
-from geoweave.rodfiles import RodError
-from geoweave.rods import Contacts, Layout, Material, Rods, carried, cross
+from geoweave.rods.rod_file import RodError
+from geoweave.rods.rods import Contacts, Layout, Material, Rods, carried, cross
 
 
 def test_moduli_are_the_textbooks():

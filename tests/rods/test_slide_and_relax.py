@@ -5,17 +5,24 @@ import numpy as np
 import pytest
 from rodded import any_rotation, bar, circle, ring, rods_of
 
-from geoweave.closest import closest_points, triangle_tree
-from geoweave.departure import fitted, held
-from geoweave.equilibrium import Stepping, minimized
-from geoweave.relaxation import Springs, relax, relaxing_terms, replaced_contacts, slide, vertex_masses
-from geoweave.ribbon_rods import rods_of_file
-from geoweave.rod_energies import edgewise_bending
-from geoweave.rodfiles import RodError, read_rods
-from geoweave.rods import Contacts, Material
-from geoweave.shapes import sphere
+from geoweave.models.shapes import sphere
+from geoweave.rods.departure import fitted, held
+from geoweave.rods.elastic_energies import edgewise_bending
+from geoweave.rods.equilibrium import Stepping, minimized
+from geoweave.rods.from_ribbons import rods_of_file
+from geoweave.rods.rod_file import RodError, read_rods
+from geoweave.rods.rods import Contacts, Material
+from geoweave.rods.slide_and_relax import (
+    Springs,
+    relax,
+    relaxing_terms,
+    replaced_contacts,
+    slide,
+    vertex_masses,
+)
+from geoweave.surface.closest_point import closest_points, triangle_tree
 
-PEER = Path(__file__).resolve().parents[2] / "shared" / "peer"
+PEER = Path(__file__).resolve().parents[3] / "shared" / "peer"
 THIN = Material(thickness=0.002, young=1e8)
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rodded import crumpled, ring
 
-from geoweave.rod_energies import elastic_terms
-from geoweave.rod_steps import NEWTON, Problem, Stepping
+from geoweave.rods.elastic_energies import elastic_terms
+from geoweave.rods.steps import NEWTON, Problem, Stepping
 
 
 def problem_of(rods):

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.relaxed import rods_of_weave
-from geoweave.weave import weave_pattern
-from geoweave.weavefiles import WeaveFileError, at_rest, read_weave, rods_of_document
-from geoweave.woven import Weave
+from geoweave.models import shapes
+from geoweave.rods.weave_at_rest import rods_of_weave
+from geoweave.rods.weave_file import WeaveFileError, at_rest, read_weave, rods_of_document
+from geoweave.weave.design import weave_pattern
+from geoweave.weave.weave import Weave
 
 
 @cache

@@ -5,9 +5,9 @@ import pytest
 from scipy import sparse
 from surfaces import surface
 
-from geoweave import cholesky, linalg
-from geoweave.geodesic import ordering_of
-from geoweave.operators import ClosedFields
+from geoweave.fields.geodesic import ordering_of
+from geoweave.fields.operators import ClosedFields
+from geoweave.sparse import cholesky, factorization
 
 
 def definite(n, density, seed):
@@ -39,10 +39,10 @@ def test_one_analysis_serves_every_smoothness_and_agrees_with_superlu(name):
         symbolic = symbolic or cholesky.analysed(matrix, ordering.order)
         right = np.random.default_rng(0).normal(size=matrix.shape[0])
         mine = cholesky.solve(symbolic, cholesky.factor(matrix, symbolic), right)
-        theirs = linalg.factorized(matrix, ordering).solve(right)
+        theirs = factorization.factorized(matrix, ordering).solve(right)
         np.testing.assert_allclose(mine, theirs, rtol=1e-6, atol=1e-8 * np.abs(theirs).max())
     # SuperLU keeps both triangles; some zeros are stored for the sake of wider blocks.
-    assert symbolic.fill < 1.05 * linalg.factorized(matrix, ordering).fill
+    assert symbolic.fill < 1.05 * factorization.factorized(matrix, ordering).fill
 
 
 def test_an_indefinite_matrix_is_refused():
@@ -60,13 +60,13 @@ def test_an_indefinite_matrix_is_refused():
 def test_linalg_takes_it_for_large_real_matrices(monkeypatch):
     matrix = definite(300, 0.02, 5)
     right = np.random.default_rng(0).normal(size=(300, 3))
-    ordering = linalg.nested_dissection(matrix)
-    small = linalg.factorized(matrix, ordering)
-    monkeypatch.setattr(linalg, "LARGE", 200)
-    large = linalg.factorized(matrix, ordering)
+    ordering = factorization.nested_dissection(matrix)
+    small = factorization.factorized(matrix, ordering)
+    monkeypatch.setattr(factorization, "LARGE", 200)
+    large = factorization.factorized(matrix, ordering)
     assert type(large) is not type(small)
     for b in (right, right[:, 0].copy()):
         np.testing.assert_allclose(large.solve(b), small.solve(b), rtol=1e-9, atol=1e-12)
     singular = sparse.csr_array(matrix - matrix)
-    with pytest.raises(linalg.SingularMatrixError, match="300 unknowns"):
-        linalg.factorized(sparse.csr_array(singular + sparse.eye_array(300) * 0.0), ordering)
+    with pytest.raises(factorization.SingularMatrixError, match="300 unknowns"):
+        factorization.factorized(sparse.csr_array(singular + sparse.eye_array(300) * 0.0), ordering)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from geoweave import linalg
+from geoweave.sparse import factorization
 
 
 def grid_laplacian(n=30, shift=0.1):
@@ -24,11 +24,11 @@ def hermitian():
 @pytest.mark.parametrize("metis", [True, False])
 def test_factors_solve(matrix, metis, monkeypatch):
     if metis:
-        assert linalg.HAS_METIS
-    monkeypatch.setattr(linalg, "HAS_METIS", metis)
-    ordering = linalg.nested_dissection(matrix)
+        assert factorization.HAS_METIS
+    monkeypatch.setattr(factorization, "HAS_METIS", metis)
+    ordering = factorization.nested_dissection(matrix)
     assert (ordering.order is not None) == metis
-    factors = linalg.factorized(matrix, ordering)
+    factors = factorization.factorized(matrix, ordering)
     right = np.random.default_rng(0).normal(size=(900, 3)).astype(matrix.dtype)
     for b in (right, right[:, 0].copy()):
         np.testing.assert_allclose(matrix @ factors.solve(b), b, atol=1e-12)
@@ -36,30 +36,34 @@ def test_factors_solve(matrix, metis, monkeypatch):
 
 def test_nested_dissection_is_a_permutation_with_less_fill_than_the_given_order():
     matrix = grid_laplacian(60)
-    ordering = linalg.nested_dissection(matrix)
+    ordering = factorization.nested_dissection(matrix)
     np.testing.assert_array_equal(np.sort(ordering.order), np.arange(3600))
-    natural = linalg.Ordering(np.arange(3600))
-    assert linalg.factorized(matrix, ordering).fill < 0.6 * linalg.factorized(matrix, natural).fill
+    natural = factorization.Ordering(np.arange(3600))
+    assert (
+        factorization.factorized(matrix, ordering).fill < 0.6 * factorization.factorized(matrix, natural).fill
+    )
 
 
 def test_orderings_extend_to_blocks_and_to_last_rows():
-    base = linalg.Ordering(np.array([2, 0, 1]))
+    base = factorization.Ordering(np.array([2, 0, 1]))
     np.testing.assert_array_equal(base.repeated(2).order, [4, 5, 0, 1, 2, 3])
     np.testing.assert_array_equal(base.with_last(2).order, [2, 0, 1, 3, 4])
-    assert linalg.Ordering(None).repeated(2).with_last(1).order is None
+    assert factorization.Ordering(None).repeated(2).with_last(1).order is None
 
 
 def test_a_singular_matrix_is_refused():
-    with pytest.raises(linalg.SingularMatrixError, match="3 unknowns"):
-        linalg.factorized(sparse.csr_array(np.diag([1.0, 0.0, 2.0])), linalg.Ordering(np.arange(3)))
+    with pytest.raises(factorization.SingularMatrixError, match="3 unknowns"):
+        factorization.factorized(
+            sparse.csr_array(np.diag([1.0, 0.0, 2.0])), factorization.Ordering(np.arange(3))
+        )
 
 
 @pytest.mark.parametrize("matrix", [grid_laplacian(), hermitian()], ids=["real", "Hermitian"])
 def test_smallest_eigenpair_against_a_dense_solver(matrix):
     mass = np.random.default_rng(1).uniform(0.5, 2.0, 900)
     start = np.random.default_rng(2).normal(size=900).astype(matrix.dtype)
-    factors = linalg.factorized(matrix, linalg.nested_dissection(matrix))
-    mu, u = linalg.smallest_eigenpair(factors, mass, start)
+    factors = factorization.factorized(matrix, factorization.nested_dissection(matrix))
+    mu, u = factorization.smallest_eigenpair(factors, mass, start)
     root = 1 / np.sqrt(mass)
     assert mu == pytest.approx(np.linalg.eigvalsh(root[:, None] * matrix.toarray() * root)[0], rel=1e-10)
     np.testing.assert_allclose(matrix @ u, mu * mass * u, atol=1e-9)
@@ -71,8 +75,10 @@ def test_smallest_eigenpair_of_a_tiny_matrix(size):
     """One or two faces are a component, too."""
     matrix = sparse.csr_array(np.array([[2.0, 0.5j], [-0.5j, 1.0]])[:size, :size])
     mass = np.array([1.0, 2.0])[:size]
-    value, vector = linalg.smallest_eigenpair(
-        linalg.factorized(matrix, linalg.nested_dissection(matrix)), mass, np.ones(size, dtype=complex)
+    value, vector = factorization.smallest_eigenpair(
+        factorization.factorized(matrix, factorization.nested_dissection(matrix)),
+        mass,
+        np.ones(size, dtype=complex),
     )
     np.testing.assert_allclose(matrix @ vector, value * mass * vector, atol=1e-12)
     assert np.vdot(vector, mass * vector).real == pytest.approx(1.0)
@@ -93,10 +99,10 @@ def test_bounded_minimum_is_the_minimum_from_wherever_it_starts():
     rng = np.random.default_rng(5)
     for _ in range(20):
         matrix = m_matrix(rng)
-        factors = linalg.factorized(matrix, linalg.nested_dissection(matrix))
+        factors = factorization.factorized(matrix, factorization.nested_dissection(matrix))
         right, least = rng.normal(size=60), 0.2 * rng.random(60)
         found = [
-            linalg.bounded_minimum(matrix, factors, right, least, start)
+            factorization.bounded_minimum(matrix, factors, right, least, start)
             for start in (least, least + 1.0, least + rng.random(60))
         ]
         for r in found:
@@ -109,9 +115,9 @@ def test_bounded_minimum_is_the_minimum_from_wherever_it_starts():
 
 def test_bounded_minimum_of_nothing_and_of_all_bounds():
     matrix = sparse.csr_array(np.diag([2.0, 3.0]))
-    factors = linalg.factorized(matrix, linalg.Ordering(np.arange(2)))
+    factors = factorization.factorized(matrix, factorization.Ordering(np.arange(2)))
     for right, least in ((np.zeros(2), -np.ones(2)), (-np.ones(2), np.zeros(2))):
-        r = linalg.bounded_minimum(matrix, factors, right, least, least + 1.0)
+        r = factorization.bounded_minimum(matrix, factors, right, least, least + 1.0)
         np.testing.assert_allclose(r, np.zeros(2), atol=1e-15)
 
 
@@ -120,7 +126,7 @@ def test_assembly_sums_what_falls_together_and_keeps_zeros(dtype):
     rng = np.random.default_rng(0)
     rows, columns = rng.integers(0, 6, (2, 50))
     entries = rng.normal(size=50).astype(dtype) * (1.0 if dtype is float else np.exp(0.3j))
-    assembly = linalg.Assembly(rows, columns, 6)
+    assembly = factorization.Assembly(rows, columns, 6)
     dense = np.zeros((6, 6), dtype=dtype)
     np.add.at(dense, (rows, columns), entries)
     np.testing.assert_allclose(assembly(entries).toarray(), dense, atol=1e-14)
@@ -130,19 +136,19 @@ def test_assembly_sums_what_falls_together_and_keeps_zeros(dtype):
 
 
 def test_an_ordering_of_a_part_renumbers_it():
-    base = linalg.Ordering(np.array([4, 2, 0, 3, 1]))
+    base = factorization.Ordering(np.array([4, 2, 0, 3, 1]))
     np.testing.assert_array_equal(base.of(np.array([1, 2, 4])).order, [2, 1, 0])
-    assert linalg.Ordering(None).of(np.array([1])).order is None
+    assert factorization.Ordering(None).of(np.array([1])).order is None
 
 
 def test_one_analysis_serves_matrices_of_its_pattern_and_of_others(monkeypatch):
-    monkeypatch.setattr(linalg, "LARGE", 100)
+    monkeypatch.setattr(factorization, "LARGE", 100)
     matrix, right = grid_laplacian(), np.random.default_rng(0).normal(size=900)
-    analysis = linalg.analysed(matrix, linalg.nested_dissection(matrix))
+    analysis = factorization.analysed(matrix, factorization.nested_dissection(matrix))
     assert analysis.symbolic is not None
     other = matrix + sparse.diags_array(np.linspace(1.0, 2.0, 900))
     wider = sparse.csr_array(matrix @ matrix)
     for each in (matrix, other, wider):
-        solution = linalg.factorized(sparse.csr_array(each), analysis).solve(right)
+        solution = factorization.factorized(sparse.csr_array(each), analysis).solve(right)
         np.testing.assert_allclose(each @ solution, right, atol=1e-10)
-    assert linalg.analysed(hermitian(), analysis.ordering).symbolic is None
+    assert factorization.analysed(hermitian(), analysis.ordering).symbolic is None

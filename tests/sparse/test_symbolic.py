@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from geoweave.elimination import analysed, upper_triangle
+from geoweave.sparse.symbolic import analysed, upper_triangle
 
 
 def pattern(n, density, seed):

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.closest import closest_points, nearest, segment_tree, triangle_tree
+from geoweave.models import shapes
+from geoweave.surface.closest_point import closest_points, nearest, segment_tree, triangle_tree
 
 
 def scattered(seed: int) -> tuple[np.ndarray, np.ndarray]:

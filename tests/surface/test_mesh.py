@@ -5,7 +5,7 @@ import pytest
 from surfaces import ALL, surface
 
 from geoweave.errors import MeshError
-from geoweave.mesh import TriMesh
+from geoweave.surface.mesh import TriMesh
 
 TETRAHEDRON = (
     np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]),

@@ -5,12 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.circle import CircleFunction
 from geoweave.errors import MeshError
-from geoweave.fields import FaceField, edge_curl, integrated_curl, random_field
-from geoweave.mesh import TriMesh
-from geoweave.operators import (
+from geoweave.fields.face_field import FaceField, edge_curl, integrated_curl, random_field
+from geoweave.fields.operators import (
     ClosedFields,
     as_real,
     connection_laplacian,
@@ -23,9 +20,12 @@ from geoweave.operators import (
     sharp,
     transport_differences,
 )
-from geoweave.part import part_of
-from geoweave.singularities import vertex_indices
-from geoweave.twist import TwistedMesh
+from geoweave.fields.singularities import vertex_indices
+from geoweave.foliation.circle_function import CircleFunction
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.surface.sign_bundle import TwistedMesh
+from geoweave.surface.submesh import part_of
 
 SURFACES = {
     "torus": lambda: shapes.torus(faces=300),

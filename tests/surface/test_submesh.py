@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from surfaces import ALL, surface
 
 from geoweave.errors import MeshError
-from geoweave.part import part_of
-from tests.surfaces import ALL, surface
+from geoweave.surface.submesh import part_of
 
 
 @pytest.mark.parametrize("name", ALL)

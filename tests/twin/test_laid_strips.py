@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from twinned import pattern, twin
 
-from geoweave.rodfiles import RodError
-from geoweave.twin_rods import cut, laid
-from geoweave.twin_start import net_of, placed
-from geoweave.twin_surface import surface_of
+from geoweave.rods.rod_file import RodError
+from geoweave.twin.laid_strips import cut, laid
+from geoweave.twin.pattern_surface import surface_of
+from geoweave.twin.placement import net_of, placed
 
 
 @pytest.mark.parametrize("name", ["cone", "sphere"])

@@ -10,8 +10,8 @@ import pytest
 from twinned import inner, pattern, woven
 
 from geoweave.errors import FieldError
-from geoweave.pattern import pattern_of
-from geoweave.twin_surface import surface_of
+from geoweave.fabrication.pattern import pattern_of
+from geoweave.twin.pattern_surface import surface_of
 
 
 def test_lines_in_the_plane_have_the_faces_one_sees() -> None:

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from twinned import pattern, woven
 
-from geoweave.departure import rigid_fit
 from geoweave.errors import FieldError
-from geoweave.pattern import pattern_of
-from geoweave.twin_start import Net, crossing_normals, net_of, outward, placed, scaled, settled
-from geoweave.twin_surface import surface_of
+from geoweave.fabrication.pattern import pattern_of
+from geoweave.rods.departure import rigid_fit
+from geoweave.twin.pattern_surface import surface_of
+from geoweave.twin.placement import Net, crossing_normals, net_of, outward, placed, scaled, settled
 
 
 def places(name: str) -> np.ndarray:

@@ -12,10 +12,10 @@ import pytest
 from twinned import inner, pattern, twin, woven
 
 from geoweave.errors import FieldError
-from geoweave.pattern import Pattern, pattern_of
-from geoweave.twin import COMES_BACK, assembled
-from geoweave.twin_surface import surface_of
-from geoweave.weavefiles import read_weave, rods_of_document
+from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.rods.weave_file import read_weave, rods_of_document
+from geoweave.twin.pattern_surface import surface_of
+from geoweave.twin.twin import COMES_BACK, assembled
 
 
 @pytest.mark.parametrize("name", ["cone", "sphere", "torus"])

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from geoweave import shapes, viz
+from geoweave import viz
 from geoweave.errors import RenderError
-from geoweave.relaxed import relaxed_weave
-from geoweave.weave import weave_pattern
+from geoweave.models import shapes
+from geoweave.rods.weave_at_rest import relaxed_weave
+from geoweave.weave.design import weave_pattern
 
 
 def scene(stretch: float) -> viz.Scene:

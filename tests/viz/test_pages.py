@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from laidflat import patterns
 from reportlab.pdfgen.canvas import Canvas
 
 from geoweave import viz
 from geoweave.errors import RenderError
 from geoweave.viz import style
-from tests.laidflat import patterns
 
 MM = 72 / 25.4
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from surfaces import surface
 
-from geoweave import shapes, viz
-from geoweave.circle import TURN, CircleFunction, wrapped
+from geoweave import viz
 from geoweave.errors import RenderError
-from geoweave.isolines import isolines
-from geoweave.operators import differences
-from geoweave.part import part_of
+from geoweave.fields.operators import differences
+from geoweave.foliation.circle_function import TURN, CircleFunction, wrapped
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import shapes
+from geoweave.surface.submesh import part_of
 from geoweave.viz import style
 from geoweave.viz.periodic import corner_angles
-from tests.surfaces import surface
 
 FROM_ABOVE = viz.View(azimuth=-90.0, elevation=90.0, up="z")
 

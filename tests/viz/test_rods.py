@@ -5,14 +5,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import shapes, viz
-from geoweave.departure import vertex_weights
+from geoweave import viz
 from geoweave.errors import RenderError
-from geoweave.relaxed import Relaxed, relaxed_weave
-from geoweave.rod_energies import energy_density
-from geoweave.rods import Contacts, Layout, Material, Rods
+from geoweave.models import shapes
+from geoweave.rods.departure import vertex_weights
+from geoweave.rods.elastic_energies import energy_density
+from geoweave.rods.rods import Contacts, Layout, Material, Rods
+from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave
 from geoweave.viz.gallery import Scale
-from geoweave.weave import weave_pattern
+from geoweave.weave.design import weave_pattern
 
 
 def ring(n: int = 24, width: float = 0.2, thickness: float = 0.05) -> Rods:

@@ -14,10 +14,10 @@ from matplotlib.colors import to_rgb
 from PIL import Image
 
 from geoweave import viz
+from geoweave.curves.tracing import geodesic_curvature, streamlines
 from geoweave.errors import RenderError
-from geoweave.fields import FaceField, signed_curl
-from geoweave.mesh import TriMesh
-from geoweave.tracing import geodesic_curvature, streamlines
+from geoweave.fields.face_field import FaceField, signed_curl
+from geoweave.surface.mesh import TriMesh
 from geoweave.viz import style
 from geoweave.viz.gallery import panel_scene
 

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from geoweave import shapes, viz
-from geoweave.compared import geodesic_from, integrated
+from geoweave import viz
+from geoweave.comparisons.integration_methods import geodesic_from, integrated
+from geoweave.curves.tracing import streamlines
 from geoweave.errors import RenderError
-from geoweave.fields import FaceField
-from geoweave.tracing import streamlines
+from geoweave.fields.face_field import FaceField
+from geoweave.models import shapes
 from geoweave.viz import style
 
 BALL = shapes.sphere(faces=1280)

@@ -7,13 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import shapes, viz
-from geoweave.cover import Cover, branched_cover
+from geoweave import viz
 from geoweave.errors import RenderError
-from geoweave.integration import foliate
-from geoweave.isolines import isolines
-from geoweave.rosy import smoothest_rosy
+from geoweave.fields.rosy import smoothest_rosy
+from geoweave.foliation.foliation import foliate
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import shapes
 from geoweave.viz import sheets
+from geoweave.weave.cover import Cover, branched_cover
 
 FIVE_SIXTHS = float(np.degrees(np.arcsin(5 / 6)))
 """Half angle of the cone whose sides, unrolled, leave out a sixth of a turn: a corner of the icosahedron."""

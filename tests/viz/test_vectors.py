@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from PIL import ImageColor
 
-from geoweave import shapes, viz
+from geoweave import viz
+from geoweave.curves.tracing import streamlines
 from geoweave.errors import RenderError
-from geoweave.fields import FaceField, random_field
-from geoweave.operators import ClosedFields, as_complex
-from geoweave.tracing import streamlines
+from geoweave.fields.face_field import FaceField, random_field
+from geoweave.fields.operators import ClosedFields, as_complex
+from geoweave.models import shapes
 from geoweave.viz import style
 
 

@@ -7,12 +7,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import models, shapes, viz
+from geoweave import viz
 from geoweave.errors import RenderError
-from geoweave.mesh import TriMesh
+from geoweave.models import catalogue, shapes
+from geoweave.surface.mesh import TriMesh
 from geoweave.viz import weaves
 from geoweave.viz.weaves import facing
-from geoweave.weave import Weave, weave_pattern
+from geoweave.weave.design import Weave, weave_pattern
 
 
 @cache
@@ -99,4 +100,4 @@ def test_a_surface_turned_inside_out_lies_behind_its_ribbons() -> None:
     assert facing(sphere) == 1
     assert facing(TriMesh(sphere.vertices, sphere.faces[:, ::-1])) == -1
     assert facing(saddle) == facing(TriMesh(saddle.vertices, saddle.faces[:, ::-1])) == 1  # it has no inside
-    assert facing(models.load("schwarz-p")) == -1
+    assert facing(catalogue.load("schwarz-p")) == -1

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from geoweave.errors import GeoweaveError
-from geoweave.parity import best_labels
+from geoweave.weave.best_labels import best_labels
 
 
 def exhaustive(nodes, first, second, parity, tie):

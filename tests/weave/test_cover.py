@@ -6,25 +6,25 @@ import time
 
 import numpy as np
 import pytest
+from surfaces import ALL, surface
 
-from geoweave import shapes
-from geoweave.alternation import Alternation
 from geoweave.arrays import Complexes, Scalars
-from geoweave.circle import wrapped
-from geoweave.cover import Cover, Quotient, branched_cover
-from geoweave.curves import geodesic_curvature
+from geoweave.curves.curves import geodesic_curvature
+from geoweave.curves.tracing import streamlines
 from geoweave.errors import FieldError, MeshError
-from geoweave.fields import FaceField, total_curl
-from geoweave.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
-from geoweave.integration import foliate, global_scale
-from geoweave.isolines import isolines
-from geoweave.operators import as_complex
-from geoweave.rescaling import integrating_factor
-from geoweave.rosy import RoSyField, smoothest_rosy
-from geoweave.singularities import rotation_across, vertex_indices
-from geoweave.tracing import streamlines
-from geoweave.twist import TwistedMesh
-from tests.surfaces import ALL, surface
+from geoweave.fields.face_field import FaceField, total_curl
+from geoweave.fields.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
+from geoweave.fields.operators import as_complex
+from geoweave.fields.rosy import RoSyField, smoothest_rosy
+from geoweave.fields.singularities import rotation_across, vertex_indices
+from geoweave.foliation.circle_function import wrapped
+from geoweave.foliation.foliation import foliate, global_scale
+from geoweave.foliation.integrability import integrating_factor
+from geoweave.foliation.level_sets import isolines
+from geoweave.foliation.theta_and_s import Alternation
+from geoweave.models import shapes
+from geoweave.surface.sign_bundle import TwistedMesh
+from geoweave.weave.cover import Cover, Quotient, branched_cover
 
 
 def cover_of(name: str, degree: int = 6) -> Cover:

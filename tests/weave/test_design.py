@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from geoweave import shapes
 from geoweave.errors import FieldError
-from geoweave.mesh import TriMesh
-from geoweave.weave import Weave, WeaveField, weave_field, weave_pattern
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.weave.design import Weave, WeaveField, weave_field, weave_pattern
 
 
 def surface() -> TriMesh:

@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import shapes
+from geoweave.curves.straightest_geodesics import crossings, straightest
 from geoweave.errors import FieldError
-from geoweave.inspection import KINDS, Inspection, Limits, Place, inspected
-from geoweave.mesh import Similarity, TriMesh
-from geoweave.ribbons import Cutting, Ribbons
-from geoweave.straightest import crossings, straightest
-from geoweave.weave import weave_pattern
-from geoweave.woven import Weave
+from geoweave.models import shapes
+from geoweave.surface.mesh import Similarity, TriMesh
+from geoweave.weave.design import weave_pattern
+from geoweave.weave.inspection import KINDS, Inspection, Limits, Place, inspected
+from geoweave.weave.ribbons import Cutting, Ribbons
+from geoweave.weave.weave import Weave
 
 SPACING = 0.2
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from geoweave.errors import GeoweaveError
-from geoweave.interlacing import Crossings, greedy, judged, merged, optimal
+from geoweave.weave.interlacing import Crossings, greedy, judged, merged, optimal
 
 
 def grid(rows, columns):

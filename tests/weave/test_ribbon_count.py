@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geoweave.errors import FieldError
-from geoweave.scales import TRIES, nearest_scale
+from geoweave.weave.ribbon_count import TRIES, nearest_scale
 
 
 def power(factor: float, growth: float, step: int = 1) -> Callable[[float], int]:

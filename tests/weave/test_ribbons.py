@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 import geoweave as gw
-from geoweave import shapes
-from geoweave.cover import branched_cover
-from geoweave.curves import Curves, geodesic_curvature
+from geoweave.curves.curves import Curves, geodesic_curvature
+from geoweave.curves.straightest_geodesics import straightest
 from geoweave.errors import FieldError
-from geoweave.integration import foliate
-from geoweave.isolines import isolines
-from geoweave.mesh import TriMesh
-from geoweave.ribbons import Cutting, Ribbons, _cut, doubled, ribbons, stretches
-from geoweave.rosy import smoothest_rosy
-from geoweave.straightest import straightest
+from geoweave.fields.rosy import smoothest_rosy
+from geoweave.foliation.foliation import foliate
+from geoweave.foliation.level_sets import isolines
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.weave.cover import branched_cover
+from geoweave.weave.ribbons import Cutting, Ribbons, _cut, doubled, ribbons, stretches
 
 
 @cache

@@ -8,13 +8,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.curves import Curves
-from geoweave.mesh import TriMesh
-from geoweave.ribbons import Cutting, Ribbons
-from geoweave.straightest import Crossings
-from geoweave.validity import violations
-from geoweave.weave import Weave, weave_pattern
+from geoweave.curves.curves import Curves
+from geoweave.curves.straightest_geodesics import Crossings
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.weave.design import Weave, weave_pattern
+from geoweave.weave.ribbons import Cutting, Ribbons
+from geoweave.weave.validity import violations
 
 
 @cache

@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave import shapes
 from geoweave.errors import FieldError
-from geoweave.mesh import TriMesh
-from geoweave.weave import weave_pattern
-from geoweave.woven import Weave, default_width, family_count, labels
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.weave.design import weave_pattern
+from geoweave.weave.weave import Weave, default_width, family_count, labels
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geoweave.fitting import widths_that_fit
+from geoweave.weave.widths import widths_that_fit
 
 
 def test_the_width_that_fits_is_where_strips_begin_to_overlap() -> None:

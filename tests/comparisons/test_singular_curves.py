@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from surfaces import surface
 
-from geoweave import shapes
+from geoweave.comparisons.singular_curves import singular_lines
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.singular_lines import singular_lines
+from geoweave.fields.face_field import FaceField
+from geoweave.models import shapes
 
 
 def square_field(left, right) -> FaceField:

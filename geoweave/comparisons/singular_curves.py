@@ -10,9 +10,8 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, edge_curl
-from geoweave.mesh import TriMesh
-from geoweave.singularities import rotation_across
+from geoweave.fields import FaceField, edge_curl, rotation_across
+from geoweave.surface import TriMesh
 
 LINE_ANGLE = 45.0
 """Degrees by which a field turns across an edge of a singular line."""

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geoweave.arrays import Scalars, frozen
-from geoweave.circle import TURN, CircleFunction
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField
-from geoweave.mesh import TriMesh
+from geoweave.foliation.circle_function import TURN, CircleFunction
+from geoweave.surface import TriMesh
 
 
 @dataclass(frozen=True)

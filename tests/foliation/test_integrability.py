@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from surfaces import surface
 
 import geoweave as gw
-from geoweave import shapes
+from geoweave.comparisons.paper_systems import algorithm_2_step, constrained_power_step
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, edge_curl
-from geoweave.integration import punctured
-from geoweave.mesh import TriMesh
-from geoweave.part import part_of
-from geoweave.reference import algorithm_2_step, constrained_power_step
-from geoweave.rescaling import Method, component_means, integrating_factor, perpendicular
-from tests.surfaces import surface
+from geoweave.fields.face_field import FaceField, edge_curl
+from geoweave.foliation.foliation import punctured
+from geoweave.foliation.integrability import Method, component_means, integrating_factor, perpendicular
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
+from geoweave.surface.submesh import part_of
 
 METHODS: tuple[Method, ...] = ("logarithm", "eigenvector")
 
@@ -148,7 +148,7 @@ def test_solve_then_project_is_another_iteration() -> None:
     assert np.abs(edge_curl(closed)).max() < 1e-8 * np.abs(printed[1]).max()
     quotients = []
     for delta, s in (ours, printed):
-        smooth = s @ (gw.operators.face_laplacian(mesh) @ s)
+        smooth = s @ (gw.fields.face_laplacian(mesh) @ s)
         size = mesh.face_areas @ np.abs(delta) ** 2
         quotients.append((size + mu * smooth) / (size + mesh.face_areas @ s**2))
     assert quotients[1] > 1.01 * quotients[0]

@@ -15,17 +15,24 @@ from scipy import sparse
 
 from geoweave.arrays import Complexes, Scalars, frozen
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.linalg import Analysis, Ordering, analysed, factorized, nested_dissection, one_blas_thread
-from geoweave.mesh import TriMesh
-from geoweave.operators import (
+from geoweave.fields import (
     ClosedFields,
+    FaceField,
     as_complex,
     as_real,
     face_laplacian,
     face_mass,
     field_mass,
 )
+from geoweave.sparse import (
+    Analysis,
+    Ordering,
+    analysed,
+    factorized,
+    nested_dissection,
+    one_blas_thread,
+)
+from geoweave.surface import TriMesh
 
 Method: TypeAlias = Literal["logarithm", "eigenvector"]
 """How `integrating_factor` measures the distance to the integrable fields."""

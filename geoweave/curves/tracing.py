@@ -17,9 +17,8 @@ import numpy as np
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, Vectors
 from geoweave.compiled import compiled
-from geoweave.curves import Curve, Curves, geodesic_curvature
-from geoweave.errors import FieldError
-from geoweave.facewalk import (
+from geoweave.curves.curves import Curve, Curves, geodesic_curvature
+from geoweave.curves.face_walk import (
     WALL,
     Ground,
     around_vertex,
@@ -33,10 +32,18 @@ from geoweave.facewalk import (
     straight_walk,
     unfold,
 )
-from geoweave.fields import FaceField
-from geoweave.mesh import TriMesh
-from geoweave.separation import Samples, blocked, enlarged, first_free, forget, remember, room_for
-from geoweave.singularities import vertex_indices
+from geoweave.curves.streamline_spacing import (
+    Samples,
+    blocked,
+    enlarged,
+    first_free,
+    forget,
+    remember,
+    room_for,
+)
+from geoweave.errors import FieldError
+from geoweave.fields import FaceField, vertex_indices
+from geoweave.surface import TriMesh
 
 __all__ = ["Curve", "Curves", "Spacing", "geodesic_curvature", "streamlines"]
 

@@ -3,13 +3,19 @@
 import numpy as np
 import pytest
 
-from geoweave import shapes
-from geoweave.alignment import alignment, area_percentiles, deviation, spacing, spacing_spread
-from geoweave.circle import CircleFunction
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField
-from geoweave.mesh import TriMesh
-from geoweave.operators import differences
+from geoweave.fields.face_field import FaceField
+from geoweave.fields.operators import differences
+from geoweave.foliation.circle_function import CircleFunction
+from geoweave.foliation.level_set_alignment import (
+    alignment,
+    area_percentiles,
+    deviation,
+    spacing,
+    spacing_spread,
+)
+from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 FLAT = shapes.square(faces=800)
 

@@ -16,14 +16,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geoweave.arrays import Flags, Vectors
-from geoweave.departure import Departure, departure, held
-from geoweave.equilibrium import Equilibrium, Step, Stepping
-from geoweave.output import replacing
-from geoweave.relaxation import ROUNDS, Springs, relax, slide
-from geoweave.ribbon_rods import ends_on, rods_of_ribbons
-from geoweave.rods import Rods
-from geoweave.weavefiles import at_rest
-from geoweave.woven import Weave
+from geoweave.files import replacing
+from geoweave.rods.departure import Departure, departure, held
+from geoweave.rods.equilibrium import Equilibrium, Step, Stepping
+from geoweave.rods.from_ribbons import ends_on, rods_of_ribbons
+from geoweave.rods.rods import Rods
+from geoweave.rods.slide_and_relax import ROUNDS, Springs, relax, slide
+from geoweave.rods.weave_file import at_rest
+from geoweave.weave import Weave
 
 __all__ = ["Relaxed", "boundary_ends", "relaxed_weave", "rods_of_weave", "vertex_normals"]
 

@@ -7,12 +7,12 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from geoweave.curves import Curves, geodesic_curvature
+from geoweave.curves.curves import Curves, geodesic_curvature
+from geoweave.curves.straightest_geodesics import crossings
+from geoweave.curves.tracing import streamlines
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, random_field
-from geoweave.mesh import TriMesh
-from geoweave.straightest import crossings
-from geoweave.tracing import streamlines
+from geoweave.fields.face_field import FaceField, random_field
+from geoweave.surface.mesh import TriMesh
 
 
 def sphere(subdivisions: int) -> TriMesh:

@@ -1,0 +1,1 @@
+"""The ``geoweave`` command: each module parses, calls and prints."""

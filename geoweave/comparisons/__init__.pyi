@@ -1,0 +1,19 @@
+from .curl_correction import curl_corrected_scale as curl_corrected_scale
+from .domains import (
+    area_holding as area_holding,
+    ordered_domains as ordered_domains,
+    worst_share as worst_share,
+)
+from .field_baselines import (
+    anti_holomorphic_field as anti_holomorphic_field,
+    pottmann_field as pottmann_field,
+)
+from .great_circles import meridian_angle as meridian_angle, meridian_axis as meridian_axis
+from .integration_methods import (
+    PAPER as PAPER,
+    TITLES as TITLES,
+    Integration as Integration,
+    geodesic_from as geodesic_from,
+    integrated as integrated,
+)
+from .singular_curves import singular_lines as singular_lines

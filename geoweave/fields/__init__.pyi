@@ -1,0 +1,46 @@
+from .face_field import (
+    FaceField as FaceField,
+    Handles as Handles,
+    edge_curl as edge_curl,
+    integrated_curl as integrated_curl,
+    random_field as random_field,
+    signed_curl as signed_curl,
+    total_curl as total_curl,
+    unit as unit,
+)
+from .geodesic import (
+    INTEGRABLE_END as INTEGRABLE_END,
+    ClosedProjection as ClosedProjection,
+    GeodesicSolve as GeodesicSolve,
+    Step as Step,
+    geodesic_field as geodesic_field,
+    ordering_of as ordering_of,
+    sharpening_schedule as sharpening_schedule,
+)
+from .operators import (
+    ClosedFields as ClosedFields,
+    as_complex as as_complex,
+    as_real as as_real,
+    curl as curl,
+    differences as differences,
+    dual_weights as dual_weights,
+    face_laplacian as face_laplacian,
+    face_mass as face_mass,
+    field_mass as field_mass,
+    gradient as gradient,
+    sharp as sharp,
+    transport_differences as transport_differences,
+)
+from .rosy import (
+    RoSyField as RoSyField,
+    diffused_field as diffused_field,
+    smoothest_field as smoothest_field,
+    smoothest_rosy as smoothest_rosy,
+)
+from .singularities import (
+    circulation as circulation,
+    index_sum as index_sum,
+    rotation_across as rotation_across,
+    singular_vertices as singular_vertices,
+    vertex_indices as vertex_indices,
+)

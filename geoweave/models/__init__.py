@@ -1,0 +1,5 @@
+"""Surfaces to try things on: formulas, data sets, and the models of the figures by name."""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

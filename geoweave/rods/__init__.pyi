@@ -1,0 +1,25 @@
+from . import slide_and_relax as slide_and_relax
+from .departure import (
+    Distances as Distances,
+    fitted as fitted,
+    rigid_fit as rigid_fit,
+    vertex_weights as vertex_weights,
+)
+from .elastic_energies import energy_density as energy_density
+from .equilibrium import Equilibrium as Equilibrium, Step as Step
+from .from_ribbons import (
+    file_of_rods as file_of_rods,
+    rods_of_file as rods_of_file,
+    rods_of_ribbons as rods_of_ribbons,
+)
+from .rod_file import RodError as RodError, RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
+from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods
+from .slide_and_relax import Springs as Springs, relax as relax, slide as slide
+from .steps import Stepping as Stepping
+from .weave_at_rest import (
+    Relaxed as Relaxed,
+    relaxed_weave as relaxed_weave,
+    rods_of_weave as rods_of_weave,
+    vertex_normals as vertex_normals,
+)
+from .weave_file import at_rest as at_rest, read_weave as read_weave, rods_of_document as rods_of_document

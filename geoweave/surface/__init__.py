@@ -1,0 +1,9 @@
+"""The surface T of Section 4: an oriented manifold triangle mesh, parts of it, and points near it.
+
+`TriMesh` is the mesh. `SignBundle` meshes carry values that change sign round some loops, as a cover of even
+degree does. `Submesh` is what is left when faces are taken away.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

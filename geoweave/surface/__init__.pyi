@@ -1,0 +1,10 @@
+from .closest_point import (
+    BoxTree as BoxTree,
+    closest_points as closest_points,
+    nearest as nearest,
+    segment_tree as segment_tree,
+    triangle_tree as triangle_tree,
+)
+from .mesh import SMALLEST_ASPECT as SMALLEST_ASPECT, Similarity as Similarity, TriMesh as TriMesh
+from .sign_bundle import TwistedMesh as TwistedMesh, gauge as gauge
+from .submesh import Part as Part, part_of as part_of
