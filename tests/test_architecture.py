@@ -242,3 +242,9 @@ def test_the_rules_bite(tmp_path: Path) -> None:
     file = tmp_path / "mesh.py"
     file.write_text("def f():\n    from geoweave.fields import solve\n    import geoweave.cli.main\n")
     assert ours(file) == {("fields", "solve"), ("cli", "main")}
+
+
+def test_contributing_draws_the_house_as_it_is() -> None:
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    drawing = text.partition("## The house")[2].split("```")[1].strip()
+    assert [line.split()[0] for line in drawing.splitlines()] == list(reversed(ROOMS))
