@@ -1,4 +1,4 @@
-"""Names for the arrays that every module passes around, and how they are made read-only."""
+"""Names for the arrays that every module passes around, and the algebra of vectors that rooms share."""
 
 from __future__ import annotations
 
@@ -32,3 +32,45 @@ def frozen(array: _Array) -> _Array:
     """Return the array itself, made read-only."""
     array.flags.writeable = False
     return array
+
+
+_NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
+
+OPPOSITE = 1e-12
+"""Unit vectors count as opposite where one plus their cosine is below this."""
+
+
+def cross(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cross product of vectors along the last axis, (..., 3).
+
+    The result is that of `numpy.cross`, without the time it spends on its options.
+
+    >>> cross(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
+    array([0., 0., 1.])
+    """
+    return one[..., _NEXT] * two[..., _LAST] - one[..., _LAST] * two[..., _NEXT]
+
+
+def parallel_transport(before: Vectors, after: Vectors, vectors: Vectors) -> Vectors:
+    """Turn vectors by the smallest rotation that takes one unit vector to another.
+
+    With ``a = t x t'`` and ``c = t . t'`` this is ``c v + a x v + (a . v) a / (1 + c)``. Tangents of a curve
+    carry directors along it (Bergou et al. 2008); normals of a surface carry tangent vectors along it.
+
+    Parameters
+    ----------
+    before, after : (N, 3) unit vectors t and t'
+    vectors : (N, 3) vectors v
+
+    Returns
+    -------
+    (N, 3) turned vectors. Where t and t' are opposite no rotation is smallest, and the result is ``-v``.
+
+    >>> east, north = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
+    >>> parallel_transport(east, north, np.array([[1.0, 2.0, 3.0]]))
+    array([[-2.,  1.,  3.]])
+    """
+    axis = cross(before, after)
+    cosine = (before * after).sum(axis=1)
+    share = (axis * vectors).sum(axis=1) / np.maximum(1.0 + cosine, OPPOSITE)
+    return cosine[:, None] * vectors + cross(axis, vectors) + share[:, None] * axis

@@ -19,5 +19,13 @@ class DataError(GeoweaveError):
     """A named data set that is missing, unreachable or not what its checksum says."""
 
 
+class RodError(GeoweaveError):
+    """Elastic rods, or a file of them, that cannot be simulated, and what to do about it."""
+
+
+class WeaveFileError(GeoweaveError):
+    """A ``weave.json`` that is no weave, or one with a slip in it, and what to do about it."""
+
+
 class RenderError(GeoweaveError):
     """Pictures cannot be drawn on this machine, and what to install."""

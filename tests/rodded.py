@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from geoweave.rods.rods import Contacts, Layout, Material, Rods, carried
+from geoweave.arrays import parallel_transport
+from geoweave.rods.rods import Contacts, Layout, Material, Rods
 
 NONE = Contacts(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
 MATERIAL = Material(thickness=0.01, young=1e6)
@@ -59,7 +60,9 @@ def crumpled(seed=0):
     edges = points[rods.layout.ends[:, 1]] - points[rods.layout.ends[:, 0]]
     lengths = np.linalg.norm(edges, axis=1)
     tangents = edges / lengths[:, None]
-    directors = carried(rods.tangents, tangents, rods.directors) + 0.3 * rng.normal(size=tangents.shape)
+    directors = parallel_transport(rods.tangents, tangents, rods.directors) + 0.3 * rng.normal(
+        size=tangents.shape
+    )
     directors[2] *= -1
     directors -= (directors * tangents).sum(axis=1)[:, None] * tangents
     directors /= np.linalg.norm(directors, axis=1)[:, None]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from geoweave.arrays import Indices, Scalars, Vectors, frozen
+from geoweave.arrays import Indices, Scalars, Vectors, frozen, parallel_transport
 from geoweave.errors import FieldError
 from geoweave.fabrication.marks import MARKS, assigned
 
@@ -331,13 +331,7 @@ def bow_and_turning(points: Vectors, normals: Vectors, closed: bool) -> tuple[fl
     kept = steps > 1e-12 * steps.sum()
     ahead, up, steps = ahead[kept], up[kept], steps[kept]
     before, after = up[:-1], up[1:]
-    axis, cosine = np.cross(after, before), (after * before).sum(axis=1, keepdims=True)
-    there = ahead[1:]
-    unfolded = (
-        there * cosine
-        + np.cross(axis, there)
-        + axis * (axis * there).sum(axis=1, keepdims=True) / np.maximum(1 + cosine, 1e-12)
-    )
+    unfolded = parallel_transport(after, before, ahead[1:])
     left = np.cross(before, ahead[:-1])
     turned = np.arctan2((left * unfolded).sum(axis=1), (ahead[:-1] * unfolded).sum(axis=1))
     heading = np.concatenate([[0.0], np.cumsum(turned)])

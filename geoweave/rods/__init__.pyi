@@ -12,7 +12,7 @@ from .from_ribbons import (
     rods_of_file as rods_of_file,
     rods_of_ribbons as rods_of_ribbons,
 )
-from .rod_file import RodError as RodError, RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
+from .rod_file import RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
 from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods
 from .slide_and_relax import Springs as Springs, relax as relax, slide as slide
 from .steps import Stepping as Stepping

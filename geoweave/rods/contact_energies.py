@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from geoweave.arrays import Indices, Scalars, Vectors, frozen
+from geoweave.arrays import Indices, Scalars, Vectors, cross, frozen
 from geoweave.rods.elastic_energies import Table, Term, hat, outer, point_unknowns, twice
-from geoweave.rods.rods import Rods, cross
+from geoweave.rods.rods import Rods
 
 __all__ = ["ORIENTATION", "contact_orientation", "contact_position"]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geoweave.arrays import Flags, Scalars, Vectors, frozen
-from geoweave.rods.rod_file import RodError
+from geoweave.errors import RodError
 from geoweave.rods.rods import Rods
 from geoweave.surface import TriMesh, closest_points, segment_tree, triangle_tree
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from geoweave.arrays import Indices, Scalars, Vectors, frozen
-from geoweave.rods.rods import Layout, Rods, cross
+from geoweave.arrays import Indices, Scalars, Vectors, cross, frozen
+from geoweave.rods.rods import Layout, Rods
 
 __all__ = [
     "Table",

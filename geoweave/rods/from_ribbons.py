@@ -17,9 +17,10 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.spatial import KDTree
 
-from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
-from geoweave.rods.rod_file import Rod, RodCrossing, RodError, RodFile
-from geoweave.rods.rods import Contacts, Layout, Material, Rods, carried
+from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen, parallel_transport
+from geoweave.errors import RodError
+from geoweave.rods.rod_file import Rod, RodCrossing, RodFile
+from geoweave.rods.rods import Contacts, Layout, Material, Rods
 from geoweave.weave import Crossings, Ribbons, interlacing
 
 __all__ = ["FINENESS", "ends_on", "file_of_rods", "rods_of_file", "rods_of_polylines", "rods_of_ribbons"]
@@ -216,7 +217,8 @@ def _mended(chain: _Chain, name: str) -> _Chain:
         raise RodError(f"{name} has no direction square to it that could be its thickness; leave it out")
     for s in np.flatnonzero(flat):  # a segment that points along its normal takes its neighbour's director
         near = int(np.flatnonzero(~flat)[np.argmin(np.abs(np.flatnonzero(~flat) - s))])
-        square[s] = carried(tangents[near][None], tangents[s][None], (square / size[:, None])[near][None])[0]
+        there = (square / size[:, None])[near][None]
+        square[s] = parallel_transport(tangents[near][None], tangents[s][None], there)[0]
         size[s] = np.linalg.norm(square[s])
     return _Chain(points, square / size[:, None], widths, closed, knots)
 
@@ -315,7 +317,7 @@ def _agreeing(layout: Layout, tangents: Vectors, directors: Vectors, contacts: C
     """
     a, b = layout.joints.T
     inner = b > a
-    same = (carried(tangents[a], tangents[b], directors[a]) * directors[b]).sum(axis=1) >= 0
+    same = (parallel_transport(tangents[a], tangents[b], directors[a]) * directors[b]).sum(axis=1) >= 0
     sign = np.ones(layout.segments)
     sign[b[inner]] = np.where(same[inner], 1.0, -1.0)
     sign = np.cumprod(sign).astype(np.float64)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
-from geoweave.errors import GeoweaveError
+from geoweave.errors import RodError
 from geoweave.files import replacing
 from geoweave.weave import Crossings
 
@@ -30,7 +30,6 @@ __all__ = [
     "NEWEST",
     "Rod",
     "RodCrossing",
-    "RodError",
     "RodFile",
     "read_rods",
     "rod_text",
@@ -46,10 +45,6 @@ _DIRECTOR_TOLERANCE = 1e-3
 """How far directors may be from unit length and from square to their segments: files hold six digits."""
 _WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
 _NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
-
-
-class RodError(GeoweaveError):
-    """Rods, or a file of them, that cannot be simulated, and what to do about it."""
 
 
 @dataclass(frozen=True, eq=False)

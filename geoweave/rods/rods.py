@@ -20,10 +20,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen
-from geoweave.rods.rod_file import RodError
+from geoweave.arrays import Flags, Indices, Scalars, Vectors, cross, frozen, parallel_transport
+from geoweave.errors import RodError
 
-__all__ = ["Contacts", "Layout", "Material", "Rods", "carried", "cross"]
+__all__ = ["Contacts", "Layout", "Material", "Rods"]
 
 
 @dataclass(frozen=True)
@@ -344,7 +344,7 @@ class Rods:
         length = np.sqrt((edges**2).sum(axis=1))
         if not (np.isfinite(step).all() and (length > 0).all()):
             raise RodError("a step makes a segment of the rods vanish, or is not finite")
-        directors = carried(self.tangents, edges / length[:, None], self.directors)
+        directors = parallel_transport(self.tangents, edges / length[:, None], self.directors)
         return self.placed(self.points + moved, edges, directors, step[3 * self.layout.vertices :])
 
     def placed(self, points: Vectors, edges: Vectors, directors: Vectors, angles: Scalars) -> Rods:
@@ -360,32 +360,9 @@ class Rods:
         return new
 
 
-_FORTH, _BACK = np.array([1, 2, 0]), np.array([2, 0, 1])
-
-
-def cross(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Cross product of vectors along the last axis; `numpy.cross` spends more time on its options."""
-    return one[..., _FORTH] * two[..., _BACK] - one[..., _BACK] * two[..., _FORTH]
-
-
-def carried(before: Vectors, after: Vectors, vectors: Vectors) -> Vectors:
-    """Parallel transport: turn vectors by the smallest rotation that takes one tangent to the other.
-
-    Parameters
-    ----------
-    before, after : (N, 3) unit tangents, not opposite to each other
-    vectors : (N, 3)
-    """
-    axis = cross(before, after)
-    cosine = (before * after).sum(axis=1)
-    with np.errstate(divide="ignore"):
-        share = (axis * vectors).sum(axis=1) / (1.0 + cosine)
-    return cosine[:, None] * vectors + cross(axis, vectors) + share[:, None] * axis
-
-
 def _wrapped_twists(rods: Rods) -> Scalars:
     """(J,) angle from the transported director to the next one, in (-pi, pi]."""
     a, b = rods.layout.joints.T
-    across = carried(rods.tangents[a], rods.tangents[b], rods.directors[a])
+    across = parallel_transport(rods.tangents[a], rods.tangents[b], rods.directors[a])
     sine = (rods.tangents[b] * cross(across, rods.directors[b])).sum(axis=1)
     return np.arctan2(sine, (across * rods.directors[b]).sum(axis=1))

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
+from geoweave.errors import RodError
 from geoweave.rods import hessian
 from geoweave.rods.contact_energies import ORIENTATION, contact_orientation, contact_position
 from geoweave.rods.elastic_energies import Term, elastic_terms, sliding
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping, minimized
-from geoweave.rods.rod_file import RodError
 from geoweave.rods.rods import Contacts, Rods
 from geoweave.surface import BoxTree, TriMesh, closest_points, triangle_tree
 

@@ -13,13 +13,12 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from geoweave.arrays import Flags, Indices, Scalars, Vectors
-from geoweave.errors import FieldError
+from geoweave.arrays import Flags, Indices, Scalars, Vectors, cross
+from geoweave.errors import FieldError, RodError
 from geoweave.rods import hessian
 from geoweave.rods.elastic_energies import Table, Term
 from geoweave.rods.hessian import Pattern
-from geoweave.rods.rod_file import RodError
-from geoweave.rods.rods import Rods, cross
+from geoweave.rods.rods import Rods
 from geoweave.sparse import cholesky
 
 __all__ = ["DAMPING", "NEAR", "NEWTON", "Problem", "State", "Stepping", "Taken", "Trial"]

@@ -11,19 +11,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geoweave.arrays import Scalars, Vectors, frozen
-from geoweave.errors import GeoweaveError
+from geoweave.errors import GeoweaveError, WeaveFileError
 from geoweave.rods.from_ribbons import FINENESS, rods_of_polylines
 from geoweave.rods.rods import Material, Rods
 from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, Crossings
 
-__all__ = ["WeaveFileError", "WovenRods", "at_rest", "read_weave", "rods_of_document"]
+__all__ = ["WovenRods", "at_rest", "read_weave", "rods_of_document"]
 
 YOUNG = 1e8
 """Young's modulus of ribbons on a model of bounding radius 1, that of the paper's cone."""
-
-
-class WeaveFileError(GeoweaveError):
-    """A file that is no weave, or one with a slip in it, and what to do about it."""
 
 
 class WovenRods(NamedTuple):

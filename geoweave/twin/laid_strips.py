@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
+from geoweave.errors import RodError
 from geoweave.fabrication import Pattern
-from geoweave.rods import Contacts, Layout, Material, RodError, Rods
+from geoweave.rods import Contacts, Layout, Material, Rods
 from geoweave.sparse import factorization
 from geoweave.twin.pattern_surface import PatternSurface
 from geoweave.twin.placement import crossing_normals

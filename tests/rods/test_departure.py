@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from rodded import any_rotation, bar, circle, rods_of, turned
 
+from geoweave.errors import RodError
 from geoweave.models.shapes import sphere
 from geoweave.rods.departure import departure, fitted, held, rigid_fit, vertex_weights
-from geoweave.rods.rod_file import RodError
 from geoweave.rods.rods import Contacts
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from scipy.optimize import Bounds, LinearConstraint, milp
 
+from geoweave.errors import RodError
 from geoweave.files import OutputError
-from geoweave.rods.rod_file import Rod, RodCrossing, RodError, RodFile, read_rods, write_rods
+from geoweave.rods.rod_file import Rod, RodCrossing, RodFile, read_rods, write_rods
 from geoweave.weave.interlacing import greedy, judged, optimal
 
 PEER = Path(__file__).resolve().parents[3] / "shared" / "peer"

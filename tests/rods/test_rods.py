@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 from rodded import MATERIAL, any_rotation, bar, circle, crumpled, helix, ring, rods_of, turned
 
-from geoweave.rods.rod_file import RodError
-from geoweave.rods.rods import Contacts, Layout, Material, Rods, carried, cross
+from geoweave.arrays import parallel_transport
+from geoweave.errors import RodError
+from geoweave.rods.rods import Contacts, Layout, Material, Rods
 
 
 def test_moduli_are_the_textbooks():
@@ -45,24 +46,6 @@ def test_the_layout_of_an_open_and_a_closed_rod():
         Layout(np.array([0, 3, 5]), np.array([False, True]))
 
 
-def test_cross_is_the_cross_product():
-    one, two = np.random.default_rng(0).normal(size=(2, 5, 4, 3))
-    np.testing.assert_array_equal(cross(one, two), np.cross(one, two))
-
-
-def test_parallel_transport_turns_one_tangent_to_the_other_and_keeps_angles():
-    rng = np.random.default_rng(0)
-    before, after, v, w = rng.normal(size=(4, 50, 3))
-    before /= np.linalg.norm(before, axis=1)[:, None]
-    after /= np.linalg.norm(after, axis=1)[:, None]
-    np.testing.assert_allclose(carried(before, after, before), after, atol=1e-12)
-    np.testing.assert_allclose(
-        (carried(before, after, v) * carried(before, after, w)).sum(1), (v * w).sum(1), atol=1e-12
-    )
-    axis = np.cross(before, after)
-    np.testing.assert_allclose(carried(before, after, axis), axis, atol=1e-12)
-
-
 def test_directors_stay_unit_and_square_after_a_step_and_turn_by_its_angle():
     rods = crumpled()
     step = 0.1 * np.random.default_rng(3).normal(size=rods.size)
@@ -71,7 +54,7 @@ def test_directors_stay_unit_and_square_after_a_step_and_turn_by_its_angle():
     np.testing.assert_allclose((moved.directors * moved.tangents).sum(1), 0, atol=1e-14)
     start, end = rods.layout.ends.T
     np.testing.assert_allclose(moved.edges, moved.points[end] - moved.points[start], atol=1e-14)
-    carried_over = carried(rods.tangents, moved.tangents, rods.directors)
+    carried_over = parallel_transport(rods.tangents, moved.tangents, rods.directors)
     sine = (moved.tangents * np.cross(carried_over, moved.directors)).sum(1)
     angle = np.arctan2(sine, (carried_over * moved.directors).sum(1))
     np.testing.assert_allclose(angle, step[3 * rods.layout.vertices :], atol=1e-12)

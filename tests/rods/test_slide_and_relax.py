@@ -5,12 +5,13 @@ import numpy as np
 import pytest
 from rodded import any_rotation, bar, circle, ring, rods_of
 
+from geoweave.errors import RodError
 from geoweave.models.shapes import sphere
 from geoweave.rods.departure import fitted, held
 from geoweave.rods.elastic_energies import edgewise_bending
 from geoweave.rods.equilibrium import Stepping, minimized
 from geoweave.rods.from_ribbons import rods_of_file
-from geoweave.rods.rod_file import RodError, read_rods
+from geoweave.rods.rod_file import read_rods
 from geoweave.rods.rods import Contacts, Material
 from geoweave.rods.slide_and_relax import (
     Springs,

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from geoweave.errors import RodError
 from geoweave.models import shapes
-from geoweave.rods.rod_file import RodError
 from geoweave.rods.weave_at_rest import Relaxed, boundary_ends, relaxed_weave, rods_of_weave
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.weave import Weave

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geoweave.errors import WeaveFileError
 from geoweave.models import shapes
 from geoweave.rods.weave_at_rest import rods_of_weave
-from geoweave.rods.weave_file import WeaveFileError, at_rest, read_weave, rods_of_document
+from geoweave.rods.weave_file import at_rest, read_weave, rods_of_document
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.weave import Weave
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from twinned import pattern, twin
 
-from geoweave.rods.rod_file import RodError
+from geoweave.errors import RodError
 from geoweave.twin.laid_strips import cut, laid
 from geoweave.twin.pattern_surface import surface_of
 from geoweave.twin.placement import net_of, placed
