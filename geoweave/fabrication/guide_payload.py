@@ -7,7 +7,7 @@ a byte. Ribbons in space are their cross sections; the page gives them width and
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from geoweave.arrays import Indices
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import Colours, Ink, ink
-from geoweave.fabrication.glb import courses
-from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.glb import ribbon_bodies
+from geoweave.fabrication.pattern import Pattern, WeaveLike, weave_document
 from geoweave.fabrication.pieces import Making, pieces_of
 from geoweave.fabrication.strip_drawing import Drawn, drawn
 
@@ -25,9 +25,6 @@ __all__ = ["GRAIN", "drawings", "shape", "varints"]
 
 GRAIN = 0.02
 """Of the drawings, mm."""
-
-SECTIONS = 0.25
-"""Between cross sections, in widths."""
 
 
 def drawings(pattern: Pattern, making: Making, colours: Colours) -> dict[str, Any]:
@@ -88,12 +85,14 @@ def varints(numbers: Indices) -> bytes:
     return ((bits & 127) | (more.astype(np.int64) << 7))[wanted].astype(np.uint8).tobytes()
 
 
-def shape(document: Mapping[str, Any], labels: Sequence[str]) -> dict[str, Any]:
+def shape(weave: WeaveLike, labels: Sequence[str]) -> dict[str, Any]:
     """The ribbons in space: places to 1/65535 of the largest extent, directions to 1/32767.
+
+    The page gives the cross sections of `ribbon_bodies` their width and thickness again.
 
     Parameters
     ----------
-    document : the contents of ``weave.json`` or ``relaxed.json``
+    weave : a weave, or the contents of ``weave.json`` or ``relaxed.json``
     labels : of the strips of the pattern that the document must have
 
     Raises
@@ -101,9 +100,10 @@ def shape(document: Mapping[str, Any], labels: Sequence[str]) -> dict[str, Any]:
     FieldError
         If the document is no weave, or that of another pattern.
     """
-    found = courses(document, SECTIONS)
-    if [each.label for each in found] != list(labels):
+    document = weave_document(weave)
+    if [each["label"] for each in document["ribbons"]] != list(labels):
         raise FieldError("the weave has other ribbons than the pattern; write both from the same weave")
+    found = ribbon_bodies(document)
     points = np.concatenate([each.centre for each in found])
     low = points.min(axis=0)
     unit = float((points.max(axis=0) - low).max()) / 65535

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +18,33 @@ from numpy.typing import NDArray
 from geoweave.arrays import Indices, Scalars, Vectors, frozen, parallel_transport
 from geoweave.errors import FieldError
 from geoweave.fabrication.marks import MARKS, assigned
+from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION
 
-if TYPE_CHECKING:
-    from geoweave.weave import Weave
-
-__all__ = ["FORMAT", "VERSION", "Passage", "Pattern", "Strip", "bow_and_turning", "pattern_of"]
+__all__ = [
+    "FORMAT",
+    "VERSION",
+    "Passage",
+    "Pattern",
+    "Strip",
+    "WeaveLike",
+    "bow_and_turning",
+    "pattern_of",
+    "weave_document",
+]
 
 FORMAT, VERSION = "geoweave-pattern", 1
 """What the first lines of ``pattern.json`` say."""
+
+
+class HasDocument(Protocol):
+    """A `Weave`, or a `Relaxed`: what can say how its ``weave.json`` or ``relaxed.json`` reads."""
+
+    def document(self) -> dict[str, Any]:
+        """The contents of the file."""
+
+
+WeaveLike: TypeAlias = HasDocument | Mapping[str, Any]
+"""A weave, a weave at rest, or the contents of its file."""
 
 
 class Strip(NamedTuple):
@@ -233,24 +252,56 @@ class Pattern:
             raise FieldError(f"{name}: an entry of the pattern is missing or wrong ({error})") from error
 
 
-def pattern_of(weave: Weave | Mapping[str, Any], name: str = "weave.json") -> Pattern:
-    """Lay the ribbons of a weave flat.
-
-    The angle of a crossing is measured between the two segments that cross, about the normals there.
+def weave_document(weave: WeaveLike, name: str = "weave.json") -> Mapping[str, Any]:
+    """The contents of ``weave.json`` or ``relaxed.json`` of a weave.
 
     Parameters
     ----------
-    weave : a weave in mm, or the contents of ``weave.json``
+    weave : a `Weave`, a `Relaxed`, or these contents themselves
+    name : what a document is called in a refusal
+
+    Raises
+    ------
+    FieldError
+        If the document is no weave.
+    """
+    document = weave if isinstance(weave, Mapping) else weave.document()
+    if document.get("format") != WEAVE_FORMAT or document.get("version") != WEAVE_VERSION:
+        raise FieldError(
+            f"{name}: is not a {WEAVE_FORMAT} of version {WEAVE_VERSION}; write it with 'geoweave weave'"
+        )
+    return document
+
+
+def pattern_of(weave: WeaveLike, name: str = "weave.json") -> Pattern:
+    """Lay the ribbons of a weave flat.
+
+    A ribbon that follows a geodesic is straight when it is laid flat (Section 5.4), so its strip keeps the
+    ribbon's length and the places of its crossings. The angle of a crossing is measured between the two
+    segments that cross, about the mean of their normals.
+
+    Parameters
+    ----------
+    weave : a weave in mm, as designed or at rest, or the contents of ``weave.json`` or ``relaxed.json``
     name : what a document is called in a refusal
 
     Raises
     ------
     FieldError
         If the weave is not in mm, or the document is no weave.
+
+    Examples
+    --------
+    >>> import geoweave as gw
+    >>> cone = gw.shapes.cone(faces=400)
+    >>> weave = gw.weave_pattern(cone, ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> pattern = gw.fabrication.pattern_of(weave)
+    >>> len(pattern.strips) == len(weave.ribbons)
+    True
+    >>> bool(abs(pattern.strips[0].length - weave.document()["ribbons"][0]["length"]) < 1e-9)  # mm
+    True
     """
-    document = weave if isinstance(weave, Mapping) else weave.document()
-    if document.get("format") != "geoweave-weave" or document.get("version") != 1:
-        raise FieldError(f"{name}: is not a geoweave-weave of version 1; write it with 'geoweave weave'")
+    document = weave_document(weave, name)
     if document.get("units") != "mm":
         raise FieldError(
             f"{name}: a pattern needs lengths in mm; give the object a size ('--size', 'Weave.sized')"

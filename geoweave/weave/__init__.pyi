@@ -1,4 +1,5 @@
 from . import interlacing as interlacing
+from .body import SECTIONS as SECTIONS, Body as Body, Centreline as Centreline, bodies as bodies
 from .cover import Cover as Cover, branched_cover as branched_cover
 from .design import WeaveField as WeaveField, weave_field as weave_field, weave_pattern as weave_pattern
 from .inspection import Inspection as Inspection, inspected as inspected

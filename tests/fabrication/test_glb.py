@@ -12,8 +12,9 @@ from laidflat import UP, bow_tie, circles, cone, crossing, document, flat, ribbo
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import FAMILIES
-from geoweave.fabrication.glb import CLEAR, courses, glb_bytes, solid_ribbons
+from geoweave.fabrication.glb import glb_bytes, ribbon_bodies, solid_ribbons
 from geoweave.rods.weave_at_rest import relaxed_weave
+from geoweave.weave.body import CLEAR
 
 
 @cache
@@ -146,16 +147,22 @@ def test_refusals() -> None:
         solid_ribbons({"format": "geoweave-pattern"})
 
 
-def test_courses_go_over_and_under_and_closed_ones_come_back() -> None:
+def test_bodies_go_over_and_under_and_closed_ones_come_back() -> None:
     document = circles()
     half = 0.5 * CLEAR * document["thickness"]
-    for r, course in enumerate(courses(document)):
-        assert (course.label, course.closed) == (document["ribbons"][r]["label"], True)
-        np.testing.assert_allclose(course.centre[0], course.centre[-1], atol=1e-9)
-        np.testing.assert_allclose((course.side * course.up).sum(axis=1), 0.0, atol=1e-12)
+    for r, body in enumerate(ribbon_bodies(document)):
+        assert body.closed
+        np.testing.assert_allclose(body.centre[0], body.centre[-1], atol=1e-9)
         for each in document["crossings"]:
             for side in (0, 1):
                 if each["ribbons"][side] == r:
-                    k = int(np.argmin(np.abs(course.at - each["arclength"][side])))
+                    k = int(np.argmin(np.abs(body.at - each["arclength"][side])))
                     way = 1 if each["over_index"] == side else -1
-                    assert np.linalg.norm(course.centre[k]) == pytest.approx(60.0 + way * half, abs=0.03)
+                    assert np.linalg.norm(body.centre[k]) == pytest.approx(60.0 + way * half, abs=0.03)
+
+
+@pytest.mark.parametrize("content", [flat(), circles()], ids=["flat", "circles"])
+def test_the_solids_are_those_of_the_bodies(content: dict) -> None:
+    for body, made in zip(ribbon_bodies(content), solid_ribbons(content), strict=True):
+        corners = {tuple(each) for each in np.round(body.corners.reshape(-1, 3), 9) + 0.0}
+        assert {tuple(each) for each in np.round(made.vertices, 9) + 0.0} == corners

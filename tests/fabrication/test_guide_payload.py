@@ -12,7 +12,7 @@ from laidflat import NAMES, bow_tie, circles, cone, flat, pairs_often, patterns
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import Colours, ink
-from geoweave.fabrication.glb import courses
+from geoweave.fabrication.glb import ribbon_bodies
 from geoweave.fabrication.guide_payload import GRAIN, drawings, shape, varints
 from geoweave.fabrication.pieces import Making, pieces_of
 from geoweave.fabrication.strip_drawing import drawn
@@ -89,13 +89,14 @@ def test_ribbons_in_space_come_back(name: str) -> None:
     ups, along = read("ups", "<i2").reshape(-1, 3) / 32767, read("along", "<u2") / 65535
     extent = np.ptp(places, axis=0).max()
     first = 0
-    for course, count, length in zip(courses(document), packed["counts"], packed["lengths"], strict=True):
+    found = ribbon_bodies(document)
+    for body, count, length in zip(found, packed["counts"], packed["lengths"], strict=True):
         own = slice(first, first + count)
         first += count
         # Half a step of sixteen bits on each axis, and the rounding of the corner.
-        np.testing.assert_allclose(places[own], course.centre, atol=0.5 * extent / 65535 + 1e-6)
-        np.testing.assert_allclose(ups[own], course.up, atol=1e-4)
-        np.testing.assert_allclose(along[own] * length, course.at, atol=length / 65535 + 1e-4)
+        np.testing.assert_allclose(places[own], body.centre, atol=0.5 * extent / 65535 + 1e-6)
+        np.testing.assert_allclose(ups[own], body.up, atol=1e-4)
+        np.testing.assert_allclose(along[own] * length, body.at, atol=length / 65535 + 1e-4)
     assert first == len(places)
     with pytest.raises(FieldError, match="other ribbons"):
         shape(document, labels[:-1])
