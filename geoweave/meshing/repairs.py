@@ -10,12 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse import csgraph
-from scipy.spatial import cKDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, Triangles, Vectors
-from geoweave.surface import SMALLEST_ASPECT
+from geoweave.surface import SMALLEST_ASPECT, connected_components
 
 FLAT = 2.0 * SMALLEST_ASPECT
 """A face is flat when its area is at most this share of its longest edge squared; stricter than `TriMesh`."""
@@ -68,15 +65,7 @@ class Edges:
     @cached_property
     def face_components(self) -> Indices:
         """(F,) number of the component of each face; faces are connected over edges, not single vertices."""
-        return connected(self.halfedge_pairs // 3, len(self.of_halfedge) // 3)
-
-
-def connected(pairs: Indices, size: int) -> Indices:
-    """(size,) number of the connected component of each node of an undirected graph."""
-    links = np.ones(len(pairs), dtype=np.int8)
-    graph = sparse.coo_array((links, (pairs[:, 0], pairs[:, 1])), shape=(size, size))
-    labels: Indices = csgraph.connected_components(graph, directed=False)[1].astype(np.int64)
-    return labels
+        return connected_components(self.halfedge_pairs // 3, len(self.of_halfedge) // 3)
 
 
 def first_of_each(labels: Indices) -> Indices:
@@ -141,7 +130,7 @@ def coincident(vertices: Vectors, faces: Triangles, edges: Edges, flat_faces: Fl
     pairs = np.concatenate([close, short])
     if not len(pairs):
         return np.arange(len(vertices))
-    return first_of_each(connected(pairs, len(vertices)))
+    return first_of_each(connected_components(pairs, len(vertices)))
 
 
 def _close_pairs(vertices: Vectors, candidates: Indices, distance: float) -> Indices:
@@ -152,7 +141,9 @@ def _close_pairs(vertices: Vectors, candidates: Indices, distance: float) -> Ind
     exact = np.stack([order[:-1][same], order[1:][same]], axis=1)
     distinct = order[np.concatenate([[True], ~same])] if len(order) else order
     if len(distinct) > 1:
-        # a tree of distinct points: one of the three or more copies of each in an STL file
+        from scipy.spatial import cKDTree
+
+        # One point stands for all that coincide: in an STL file each point comes three times or more.
         tree = cKDTree(points[distinct], balanced_tree=False, compact_nodes=False)
         exact = np.concatenate([exact, distinct[tree.query_pairs(distance, output_type="ndarray")]])
     return np.asarray(candidates[exact], dtype=np.int64)
@@ -202,7 +193,7 @@ def orientation(faces: Triangles, edges: Edges) -> tuple[Flags, Indices]:
     clash = tails[first] == tails[second]
     i, j = first // 3, second // 3
     nodes = np.concatenate([np.stack([i, j + n * clash], axis=1), np.stack([i + n, j + n * ~clash], axis=1)])
-    label = connected(nodes, 2 * n)
+    label = connected_components(nodes, 2 * n)
     kept, turned = label[:n], label[n:]
     votes = np.bincount(kept, minlength=2 * n)
     first_face = first_of_each(np.minimum(kept, turned))
@@ -242,7 +233,7 @@ def separated_fans(faces: Triangles, edges: Edges) -> tuple[Triangles, Indices]:
         other = (k[:, 1] + 1) % 3
         other = np.where(faces[face[:, 1], other] == vertex, other, (k[:, 1] + 2) % 3)
         joined.append(np.stack([3 * face[:, 0] + (k[:, 0] + step) % 3, 3 * face[:, 1] + other], axis=1))
-    fan = connected(np.concatenate(joined), faces.size)
+    fan = connected_components(np.concatenate(joined), faces.size)
     _, first, fan = np.unique(fan, return_index=True, return_inverse=True)
     vertex = faces.ravel()[first]
     leading = np.zeros(len(vertex), dtype=bool)

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pooch
 
 from geoweave.checkout import PACKAGE
 from geoweave.errors import DataError
@@ -170,11 +169,11 @@ def fetch(name: str) -> Path:
         sha256. A download that fails leaves nothing behind.
     """
     entry = dataset(name)
-    cached = _cache() / entry.file
     for place in _places(entry):
         if _intact(place, entry):
             return place
-        if place.is_file() and place != cached:
+        # A damaged file in the cache is fetched again; any other is the user's to deal with.
+        if place.is_file() and (entry.embedded or place.parent != _cache()):
             remedy = "install geoweave again" if entry.embedded else f"remove it, or unset {VARIABLE}"
             raise DataError(f"{place}: not the {entry.title} of the registry (its sha256 differs); {remedy}")
     if entry.url is None:
@@ -200,6 +199,8 @@ def load(name: str) -> TriMesh:
 
 
 def _cache() -> Path:
+    import pooch  # takes a tenth of a second, and embedded meshes do without
+
     return Path(pooch.os_cache("geoweave"))
 
 
@@ -226,6 +227,8 @@ def _intact(path: Path, entry: Dataset) -> bool:
 
 
 def _download(entry: Dataset, url: str) -> Path:
+    import pooch
+
     # Pooch writes to a temporary file, checks it, and only then gives it its name.
     pooch.get_logger().setLevel("WARNING")
     try:

@@ -14,11 +14,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, Triangles, Vectors, frozen
 from geoweave.errors import MeshError
+from geoweave.surface.components import connected_components
 
 SMALLEST_ASPECT = 1e-12
 """A face is degenerate when its area is at most this share of its longest edge squared."""
@@ -125,9 +124,8 @@ class TriMesh:
             rows.append(corners[i, np.argmax(self.faces[i] == vertex[:, None], axis=1)])
             columns.append(corners[j, np.argmax(self.faces[j] == vertex[:, None], axis=1)])
         row, column = np.concatenate(rows), np.concatenate(columns)
-        graph = sparse.coo_array((np.ones(len(row), dtype=np.int8), (row, column)), shape=(corners.size,) * 2)
-        count, label = csgraph.connected_components(graph, directed=False)
-        vertex_of_fan = np.zeros(count, dtype=np.int64)
+        label = connected_components(np.stack([row, column], axis=1), corners.size)
+        vertex_of_fan = np.zeros(int(label.max()) + 1, dtype=np.int64)
         vertex_of_fan[label] = self.faces.ravel()
         return np.bincount(vertex_of_fan, minlength=self.n_vertices)
 
@@ -238,9 +236,7 @@ class TriMesh:
     @cached_property
     def vertex_components(self) -> Indices:
         """(V,) number of the connected component of each vertex."""
-        weights = np.ones(self.n_edges, dtype=np.int8)
-        graph = sparse.coo_array((weights, tuple(self.edges.T)), shape=(self.n_vertices,) * 2)
-        return frozen(csgraph.connected_components(graph, directed=False)[1].astype(np.int64))
+        return frozen(connected_components(self.edges, self.n_vertices))
 
     @property
     def n_components(self) -> int:

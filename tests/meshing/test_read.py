@@ -2,6 +2,7 @@ import json
 import logging
 import os
 import struct
+import subprocess
 import sys
 
 import numpy as np
@@ -174,3 +175,20 @@ def test_damaged_files_are_read_or_refused(kind, tmp_path):
             assert np.isfinite(mesh.face_areas).all()
     assert all(text.startswith(f"{path}: ") and len(text.splitlines()) == 1 for text in refused)
     assert 30 < len(refused) < 150
+
+
+@pytest.mark.parametrize("source", ["bunny", "mesh.obj", "mesh.off"])
+def test_a_closed_mesh_is_read_without_the_heavy_libraries(source, tmp_path):
+    """They take longer to load than such a mesh takes to read."""
+    if source != "bunny":
+        write(tmp_path, "mesh", source.removeprefix("mesh."), *octahedron())
+    code = (
+        "import sys; from geoweave.cli.main import main\n"
+        f"try: main(['info', {source!r}])\n"
+        "except SystemExit as done: assert not done.code\n"
+        "print(sorted({'numba', 'pooch', 'scipy', 'trimesh', 'numpy.f2py'} & set(sys.modules)))"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert run.stdout.splitlines()[-1] == "[]"
