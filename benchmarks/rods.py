@@ -15,7 +15,7 @@ from geoweave.models import catalogue, shapes
 from geoweave.rods.departure import fitted, held
 from geoweave.rods.from_ribbons import rods_of_file
 from geoweave.rods.rod_file import read_rods
-from geoweave.rods.slide_and_relax import relax
+from geoweave.rods.slide_and_relax import relax_rods
 from geoweave.rods.weave_at_rest import relaxed_weave
 from geoweave.weave.design import weave_pattern
 
@@ -63,7 +63,7 @@ def measure_file(path: str) -> dict:
     compile_all()
     rods = rods_of_file(read_rods(path))
     clock, work = perf_counter(), process_time()
-    found = relax(rods)
+    found = relax_rods(rods)
     wall, cpu = perf_counter() - clock, process_time() - work
     moved = np.linalg.norm(fitted(found.rods, rods) - rods.points, axis=1)
     moved /= np.linalg.norm(np.ptp(rods.points, axis=0))

@@ -54,7 +54,12 @@ from .foliation import (
 )
 from .meshing import isotropic_remesh as isotropic_remesh, read_mesh as read_mesh
 from .models import datasets as datasets, shapes as shapes
-from .rods import relax as relax, relaxed_weave as relaxed_weave, slide as slide
+from .rods import (
+    elastic_rods as elastic_rods,
+    relax as relax,
+    relaxed_weave as relaxed_weave,
+    slide as slide,
+)
 from .surface import TriMesh as TriMesh
 from .weave import (
     Cover as Cover,

@@ -45,6 +45,7 @@ def cross(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.floa
 
     The result is that of `numpy.cross`, without the time it spends on its options.
 
+    >>> from geoweave.arrays import cross
     >>> cross(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))
     array([0., 0., 1.])
     """
@@ -66,6 +67,7 @@ def parallel_transport(before: Vectors, after: Vectors, vectors: Vectors) -> Vec
     -------
     (N, 3) turned vectors. Where t and t' are opposite no rotation is smallest, and the result is ``-v``.
 
+    >>> from geoweave.arrays import parallel_transport
     >>> east, north = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
     >>> parallel_transport(east, north, np.array([[1.0, 2.0, 3.0]]))
     array([[-2.,  1.,  3.]])

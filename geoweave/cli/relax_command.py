@@ -28,10 +28,10 @@ def relax(file: str, output: str, as_json: bool) -> None:
         file_of_rods,
         read_rods,
         read_weave,
+        relax_rods,
         rod_text,
         rods_of_document,
         rods_of_file,
-        slide_and_relax,
         vertex_normals,
     )
 
@@ -47,7 +47,7 @@ def relax(file: str, output: str, as_json: bool) -> None:
                 start, center, unit = rods_of_document(document, Path(file).name)
         own = _check_other_weave(folder, Path(file))
         with timed(seconds, "relax"):
-            found = slide_and_relax.relax(
+            found = relax_rods(
                 start,
                 callback=lambda step: say(
                     f"relaxing: step {step.number}, forces balance to {step.gradient:.1g}"

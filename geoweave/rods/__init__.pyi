@@ -1,4 +1,3 @@
-from . import slide_and_relax as slide_and_relax
 from .departure import (
     Distances as Distances,
     fitted as fitted,
@@ -14,12 +13,16 @@ from .from_ribbons import (
 )
 from .rod_file import RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
 from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods
-from .slide_and_relax import Springs as Springs, relax as relax, slide as slide
+from .slide_and_relax import Springs as Springs, relax_rods as relax_rods, slide_rods as slide_rods
 from .steps import Stepping as Stepping
 from .weave_at_rest import (
+    ElasticWeave as ElasticWeave,
     Relaxed as Relaxed,
+    SlidWeave as SlidWeave,
+    elastic_rods as elastic_rods,
+    relax as relax,
     relaxed_weave as relaxed_weave,
-    rods_of_weave as rods_of_weave,
+    slide as slide,
     vertex_normals as vertex_normals,
 )
 from .weave_file import at_rest as at_rest, read_weave as read_weave, rods_of_document as rods_of_document

@@ -18,7 +18,7 @@ from geoweave.rods.equilibrium import Equilibrium, Step, Stepping, minimized
 from geoweave.rods.rods import Contacts, Rods
 from geoweave.surface import BoxTree, TriMesh, closest_points, triangle_tree
 
-__all__ = ["Springs", "relax", "relaxing_terms", "slide"]
+__all__ = ["ROUNDS", "Springs", "relax_rods", "relaxing_terms", "slide_rods"]
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ NEARBY = 3
 """Segments on each side among which a contact looks for its new place after sliding."""
 
 
-def slide(
+def slide_rods(
     rods: Rods,
     surface: TriMesh,
     *,
@@ -254,7 +254,7 @@ def relaxing_terms(rods: Rods, springs: Springs | None = None) -> tuple[Term, ..
     )
 
 
-def relax(
+def relax_rods(
     rods: Rods,
     *,
     springs: Springs | None = None,

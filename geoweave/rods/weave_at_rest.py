@@ -16,16 +16,28 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geoweave.arrays import Flags, Vectors
+from geoweave.errors import RodError
 from geoweave.files import replacing
 from geoweave.rods.departure import Departure, departure, held
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping
 from geoweave.rods.from_ribbons import ends_on, rods_of_ribbons
 from geoweave.rods.rods import Rods
-from geoweave.rods.slide_and_relax import ROUNDS, Springs, relax, slide
+from geoweave.rods.slide_and_relax import ROUNDS, Springs, relax_rods, slide_rods
 from geoweave.rods.weave_file import at_rest
+from geoweave.surface import TriMesh, closest_points, triangle_tree
 from geoweave.weave import Weave
 
-__all__ = ["Relaxed", "boundary_ends", "relaxed_weave", "rods_of_weave", "vertex_normals"]
+__all__ = [
+    "ElasticWeave",
+    "Relaxed",
+    "SlidWeave",
+    "boundary_ends",
+    "elastic_rods",
+    "relax",
+    "relaxed_weave",
+    "slide",
+    "vertex_normals",
+]
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +56,10 @@ class Relaxed:
     departure : how far `left` is from the surface and from `slid`, after the best rigid fit unless a boundary
         holds it
     seconds : wall-clock seconds of each stage
+
+    >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8))
+    >>> rest.document()["format"], len(rest.metrics()["worst"]["point"])
+    ('geoweave-weave', 3)
     """
 
     weave: Weave
@@ -115,9 +131,81 @@ def vertex_normals(rods: Rods) -> Vectors:
     return np.asarray(sums / np.linalg.norm(sums, axis=1)[:, None])
 
 
-def rods_of_weave(weave: Weave) -> Rods:
-    """Make elastic rods of a weave's ribbons, in the unit of its mesh."""
-    return rods_of_ribbons(weave.ribbons, weave.interlacing.over, weave.width, weave.thickness)
+@dataclass(frozen=True, eq=False)
+class ElasticWeave:
+    """A weave whose ribbons are elastic rods, as `elastic_rods` makes it.
+
+    Attributes
+    ----------
+    weave : as designed
+    rods : its ribbons, in the unit of the weave's mesh
+
+    >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
+    >>> made = gw.elastic_rods(woven)
+    >>> len(made.rods) == len(made.weave.names)
+    True
+    """
+
+    weave: Weave
+    rods: Rods
+
+
+@dataclass(frozen=True, eq=False)
+class SlidWeave:
+    """A weave after its ribbons slid on their surface (Appendix E.1), as `slide` makes it.
+
+    Attributes
+    ----------
+    weave : as designed
+    designed : its ribbons as rods, as designed
+    slid : where they slid to
+    fixed : (V,) vertices that a boundary holds, all False if it does not
+    seconds : wall-clock seconds of sliding
+
+    >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)))
+    >>> slid.slid.energies["geodesic curvature"] < slid.slid.steps[0].energies["geodesic curvature"]
+    True
+    """
+
+    weave: Weave
+    designed: Rods
+    slid: Equilibrium
+    fixed: Flags
+    seconds: float
+
+
+AWAY = 0.05
+"""A surface is not that of a weave if ribbons are farther from it in the mean, at bounding radius 1."""
+
+
+def elastic_rods(weave: Weave, *, width: float | None = None, thickness: float | None = None) -> ElasticWeave:
+    """Make elastic rods of the ribbons of a weave (Section 5.2, Appendix E).
+
+    Ribbons are cut into equal segments, a fifth of their spacing long. Their thickness directions are the
+    normals of the surface, and they are as long at rest as they are now.
+
+    Parameters
+    ----------
+    weave : as designed
+    width, thickness : of a ribbon, in the unit in which the weave is written (`Weave.sized`); those of the
+        weave if not given
+
+    Raises
+    ------
+    RodError
+        If a ribbon is too short for a segment, or not as wide as thick.
+    FieldError
+        If a number is not positive.
+
+    >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
+    >>> made = gw.elastic_rods(woven, width=0.06, thickness=0.003)
+    >>> bool(abs(made.rods.widths * woven.placement.scale - 0.06).max() < 1e-12)
+    True
+    """
+    if width is not None or thickness is not None:
+        weave = weave.sized(width=width, thickness=thickness)
+    rods = rods_of_ribbons(weave.ribbons, weave.interlacing.over, weave.width, weave.thickness)
+    return ElasticWeave(weave, rods)
 
 
 def boundary_ends(weave: Weave, rods: Rods) -> Flags:
@@ -126,6 +214,111 @@ def boundary_ends(weave: Weave, rods: Rods) -> Flags:
     if not len(rim):
         return np.zeros(rods.layout.vertices, dtype=bool)
     return ends_on(rods, rim, weave.mesh.mean_edge)
+
+
+def slide(
+    weave: ElasticWeave,
+    surface: TriMesh | None = None,
+    *,
+    springs: Springs | None = None,
+    rounds: int = ROUNDS,
+    stepping: Stepping | None = None,
+    fixed_boundary: bool = False,
+    callback: Callable[[Step], None] | None = None,
+) -> SlidWeave:
+    """Let the ribbons of a weave slide on their surface to release elastic strain (Appendix E.1).
+
+    See `slide_rods` for what is minimised.
+
+    Parameters
+    ----------
+    weave : its ribbons as rods
+    surface : in the position and size in which the weave is written; that of the weave if not given
+    springs, rounds, stepping : as of `slide_rods`
+    fixed_boundary : hold the ends of ribbons that lie on the boundary, here and in `relax`
+    callback : called with every `Step`
+
+    Raises
+    ------
+    RodError
+        If the surface lies elsewhere than the weave, or a parameter is out of range.
+
+    >>> surface = gw.shapes.cone(faces=400)
+    >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)), surface)
+    >>> slid.slid.converged
+    True
+    """
+    clock = time.perf_counter()
+    woven, rods = weave.weave, weave.rods
+    fixed = boundary_ends(woven, rods) if fixed_boundary else np.zeros(rods.layout.vertices, dtype=bool)
+    slid = slide_rods(
+        rods,
+        woven.mesh if surface is None else _placed(surface, woven, rods),
+        springs=springs,
+        rounds=rounds,
+        stepping=stepping,
+        fixed=fixed,
+        callback=callback,
+    )
+    return SlidWeave(woven, rods, slid, fixed, time.perf_counter() - clock)
+
+
+def _placed(surface: TriMesh, weave: Weave, rods: Rods) -> TriMesh:
+    """Take a surface to the place and size of a weave's mesh."""
+    placed = TriMesh(weave.placement.apply(surface.vertices), surface.faces)
+    nearest, _ = closest_points(triangle_tree(placed.vertices[placed.faces]), rods.points)
+    away = float(np.linalg.norm(rods.points - nearest, axis=1).mean())
+    if away > AWAY:
+        raise RodError(
+            f"the surface is {away:.2g} bounding radii from the ribbons in the mean; "
+            "give the surface that was woven, in the size of the weave, or none"
+        )
+    return placed
+
+
+def relax(
+    weave: SlidWeave,
+    *,
+    springs: Springs | None = None,
+    stepping: Stepping | None = None,
+    gravity: ArrayLike | None = None,
+    callback: Callable[[Step], None] | None = None,
+) -> Relaxed:
+    """Find the shape in which a weave comes to rest when nothing holds it to its surface (Appendix E.2).
+
+    Strips are cut to their lengths on the surface, so nothing is stretched at the start. See `relax_rods`
+    for what is minimised, and for rods that are no weave.
+
+    Parameters
+    ----------
+    weave : after `slide`
+    springs, stepping : as of `relax_rods`
+    gravity : (3,) acceleration; it needs a fixed boundary to stand on
+    callback : called with every `Step`
+
+    Raises
+    ------
+    RodError
+        If a parameter is out of range.
+
+    >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)))
+    >>> rest = gw.relax(slid)
+    >>> rest.left.steps[-1].energy < rest.left.steps[0].energy
+    True
+    """
+    clock = time.perf_counter()
+    start = replace(weave.slid.rods, rest=weave.slid.rods.lengths)
+    left = relax_rods(
+        start, springs=springs, stepping=stepping, fixed=weave.fixed, gravity=gravity, callback=callback
+    )
+    after = time.perf_counter()
+    away = departure(left.rods, start, weave.weave.mesh, placed=bool(weave.fixed.any()))
+    seconds = {
+        "slide": weave.seconds,
+        "relax": after - clock,
+        "departure": time.perf_counter() - after,
+    }
+    return Relaxed(weave.weave, weave.designed, weave.slid, left, away, seconds)
 
 
 def relaxed_weave(
@@ -139,6 +332,8 @@ def relaxed_weave(
     callback: Callable[[str, Step], None] | None = None,
 ) -> Relaxed:
     """Slide the ribbons of a weave on its surface, then find the shape in which it comes to rest.
+
+    This is `elastic_rods`, `slide` and `relax` in one call.
 
     Parameters
     ----------
@@ -154,30 +349,21 @@ def relaxed_weave(
     ------
     RodError
         If a ribbon cannot be a rod, or a parameter is out of range.
+
+    >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8))
+    >>> rest.departure.to_surface.mean < 0.05
+    True
     """
-    clock = time.perf_counter()
-    rods = rods_of_weave(weave)
-    fixed = boundary_ends(weave, rods) if fixed_boundary else None
 
     def told(stage: str) -> Callable[[Step], None] | None:
         return None if callback is None else lambda step: callback(stage, step)
 
     slid = slide(
-        rods,
-        weave.mesh,
+        elastic_rods(weave),
         springs=springs,
         rounds=rounds,
         stepping=stepping,
-        fixed=fixed,
+        fixed_boundary=fixed_boundary,
         callback=told("slide"),
     )
-    between = time.perf_counter()
-    # What a strip is cut to is its length on the surface, so nothing is stretched at the start.
-    start = replace(slid.rods, rest=slid.rods.lengths)
-    left = relax(
-        start, springs=springs, stepping=stepping, fixed=fixed, gravity=gravity, callback=told("relax")
-    )
-    after = time.perf_counter()
-    away = departure(left.rods, start, weave.mesh, placed=fixed is not None and bool(fixed.any()))
-    seconds = {"slide": between - clock, "relax": after - between, "departure": time.perf_counter() - after}
-    return Relaxed(weave, rods, slid, left, away, seconds)
+    return relax(slid, springs=springs, stepping=stepping, gravity=gravity, callback=told("relax"))

@@ -27,7 +27,7 @@ from geoweave.rods import (
     Step,
     Stepping,
     at_rest,
-    relax,
+    relax_rods,
     rigid_fit,
     vertex_normals,
     vertex_weights,
@@ -334,10 +334,10 @@ def assembled(
     unit = laid(surface, points[-1]).unit
     starts = [laid(surface, each, unit) for each in points]
     between = time.perf_counter()
-    tries = [relax(start.rods, springs=springs, stepping=TRYING, callback=callback) for start in starts]
+    tries = [relax_rods(start.rods, springs=springs, stepping=TRYING, callback=callback) for start in starts]
     energies = tuple(each.steps[-1].energy for each in tries)
     best = int(np.argmin(energies))
-    rest = relax(tries[best].rods, springs=springs, stepping=stepping or STEPPING, callback=callback)
+    rest = relax_rods(tries[best].rods, springs=springs, stepping=stepping or STEPPING, callback=callback)
     seconds = {"start": between - clock, "relax": time.perf_counter() - between}
     return Twin(surface, frozen(points[best]), starts[best], rest, energies, seconds)
 

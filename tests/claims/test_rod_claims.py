@@ -12,9 +12,9 @@ from geoweave.arrays import Flags
 from geoweave.models import shapes
 from geoweave.rods.elastic_energies import elastic_terms, energy_density
 from geoweave.rods.rods import Contacts, Rods
-from geoweave.rods.slide_and_relax import relax, relaxing_terms
+from geoweave.rods.slide_and_relax import relax_rods, relaxing_terms
 from geoweave.rods.steps import Problem
-from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave, rods_of_weave
+from geoweave.rods.weave_at_rest import Relaxed, elastic_rods, relaxed_weave
 from geoweave.weave.design import Weave, weave_pattern
 
 CLOSED = {"bumpy box": 15, "icosahedron": 15, "sphere": 12, "torus": 12}
@@ -59,7 +59,7 @@ def test_closed_weaves_come_to_rest_near_their_surface(name: str) -> None:
 @pytest.mark.parametrize("name", ["cone", *CLOSED])
 def test_the_iteration_quickly_comes_to_rest(name: str) -> None:
     """E.2: Gauss-Newton with a line search "quickly converges to a weave equilibrium state"."""
-    found = relax(rods_of_weave(woven(name)))
+    found = relax_rods(elastic_rods(woven(name)).rods)
     assert found.converged
     # RibbonSim takes 20 to 150 on weaves of 10 to 28 rods
     assert len(found.steps) <= 100
@@ -77,7 +77,7 @@ def test_contacts_hold_the_shape_that_ribbons_would_leave(name: str) -> None:
     np.testing.assert_allclose(within, -without, atol=1e-5 * np.linalg.norm(within))
     assert np.linalg.norm(within) > 0
     free = replace(rest, contacts=Contacts(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0)))
-    found = relax(free)
+    found = relax_rods(free)
     assert found.converged
     hoops = found.rods.layout.closed  # closed ribbons become hoops
     assert elastic(found.rods, ~hoops) < 1e-6 * elastic(rest, ~hoops)
@@ -94,7 +94,7 @@ def test_a_line_search_must_carry_directors(name: str) -> None:
     """E.2: directors left behind "stop being normal to their corresponding rod segments, so that the estimate
     of the post-step energy in the line search is incorrect"; the paper finds it too optimistic, here it is
     off either way, and mostly too high."""
-    rods = rods_of_weave(woven(name))
+    rods = elastic_rods(woven(name)).rods
     problem = Problem(
         rods, relaxing_terms(rods), np.zeros(rods.size, dtype=bool), None, anchored=False, pattern=None
     )

@@ -10,7 +10,7 @@ from geoweave.errors import RodError
 from geoweave.models.shapes import sphere
 from geoweave.rods.from_ribbons import ends_on, file_of_rods, rods_of_file, rods_of_ribbons
 from geoweave.rods.rod_file import Rod, RodCrossing, RodFile, read_rods, write_rods
-from geoweave.rods.slide_and_relax import relax
+from geoweave.rods.slide_and_relax import relax_rods
 from geoweave.weave.interlacing import Crossings as Passages, optimal
 from geoweave.weave.ribbons import Cutting, Ribbons
 
@@ -51,7 +51,7 @@ def test_a_file_becomes_rods_and_a_file_again(tmp_path):
     for a, b in zip(again.rods, file.rods, strict=True):
         np.testing.assert_array_equal(a.centerline, b.centerline)
         np.testing.assert_allclose(abs((a.directors * b.directors).sum(1)), 1)
-    write_rods(tmp_path / "relaxed.rod", file_of_rods(relax(rods).rods))
+    write_rods(tmp_path / "relaxed.rod", file_of_rods(relax_rods(rods).rods))
     assert len(read_rods(tmp_path / "relaxed.rod").rods) == 2
 
 
@@ -89,7 +89,7 @@ def test_coinciding_vertices_and_spikes_are_merged_and_crossings_keep_their_plac
     segment, place = rods.contacts.segments[0, 0], rods.contacts.places[0, 0]
     start, end = rods.points[rods.layout.ends[segment]]
     np.testing.assert_allclose((1 - place) * start + place * end, [-0.25, 0, 0], atol=1e-6)
-    assert relax(rods).converged
+    assert relax_rods(rods).converged
 
 
 def test_a_rod_of_one_place_is_refused_by_name():
@@ -129,7 +129,7 @@ def test_ribbons_relax_near_their_surface():
     ball, ribbons = ball_of_rings()
     met = ribbons.crossings
     sides = optimal(Passages(met.curves, met.arclength, ribbons.curves.closed)).over
-    found = relax(rods_of_ribbons(ribbons, sides, 0.05, 0.002, segment=0.15))
+    found = relax_rods(rods_of_ribbons(ribbons, sides, 0.05, 0.002, segment=0.15))
     assert found.converged
     assert isinstance(ribbons.curves, Curves)
     assert ball.n_faces == 1280

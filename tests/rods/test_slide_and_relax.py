@@ -15,10 +15,10 @@ from geoweave.rods.rod_file import read_rods
 from geoweave.rods.rods import Contacts, Material
 from geoweave.rods.slide_and_relax import (
     Springs,
-    relax,
+    relax_rods,
     relaxing_terms,
     replaced_contacts,
-    slide,
+    slide_rods,
     vertex_masses,
 )
 from geoweave.surface.closest_point import closest_points, triangle_tree
@@ -56,7 +56,7 @@ def test_contacts_of_the_three_rings_are_where_they_cross():
 def test_three_rings_relax_and_hold_their_shape():
     rods = three_great_circles(tilt=0.01)
     seen = []
-    found = relax(rods, callback=seen.append)
+    found = relax_rods(rods, callback=seen.append)
     assert found.converged
     assert found.gradient <= 1e-6
     assert found.steps == tuple(replace(step, rods=None) for step in seen)
@@ -72,14 +72,14 @@ def test_three_rings_relax_and_hold_their_shape():
 
 
 def test_the_upper_ring_lies_a_thickness_above():
-    found = relax(three_great_circles())
+    found = relax_rods(three_great_circles())
     rods = found.rods
     start = rods.points[rods.layout.ends[rods.contacts.segments, 0]]
     height = ((start[:, 1] - start[:, 0]) * rods.directors[rods.contacts.segments[:, 0]]).sum(1)
     # the contact is a spring: it gives way to the bending of the rings by a share of the thickness
     assert (height > 0.5 * THIN.thickness).all()
     assert (height < 1.2 * THIN.thickness).all()
-    stiff = relax(three_great_circles(), springs=Springs(position=1e5)).rods
+    stiff = relax_rods(three_great_circles(), springs=Springs(position=1e5)).rods
     start = stiff.points[stiff.layout.ends[stiff.contacts.segments, 0]]
     height = ((start[:, 1] - start[:, 0]) * stiff.directors[stiff.contacts.segments[:, 0]]).sum(1)
     np.testing.assert_allclose(height, THIN.thickness, rtol=0.02)
@@ -89,7 +89,7 @@ def test_nothing_pulls_to_a_surface_without_contacts():
     # without its contacts a ribbon unravels into a straight, flat strip (E.2)
     line = circle(20)[:14]
     rods = rods_of([line], line[:-1] + line[1:])
-    found = relax(rods)
+    found = relax_rods(rods)
     assert found.converged
     ends = found.rods.points[-1] - found.rods.points[0]
     assert np.linalg.norm(ends) == pytest.approx(rods.rest.sum(), rel=1e-6)
@@ -98,18 +98,18 @@ def test_nothing_pulls_to_a_surface_without_contacts():
 def test_weight_needs_something_to_stand_on():
     rods = three_great_circles()
     with pytest.raises(RodError, match="nothing holds the weave against gravity"):
-        relax(rods, gravity=[0, 0, -1.0])
+        relax_rods(rods, gravity=[0, 0, -1.0])
     with pytest.raises(RodError, match="three finite numbers"):
-        relax(rods, gravity=[0, -1.0])
-    assert relax(rods, gravity=[0, 0, 0]).converged
+        relax_rods(rods, gravity=[0, -1.0])
+    assert relax_rods(rods, gravity=[0, 0, 0]).converged
 
 
 def test_a_standing_weave_sinks_under_its_weight_and_its_feet_stay():
     rods = three_great_circles()
     feet = rods.points[:, 2] < -0.98
-    still = relax(rods, fixed=feet)
+    still = relax_rods(rods, fixed=feet)
     heavy, heavier = (replace(rods, material=replace(THIN, density=rho)) for rho in (2e-2, 4e-2))
-    found, more = (relax(each, fixed=feet, gravity=[0, 0, -1.0]) for each in (heavy, heavier))
+    found, more = (relax_rods(each, fixed=feet, gravity=[0, 0, -1.0]) for each in (heavy, heavier))
     assert still.converged
     assert found.converged
     assert more.converged
@@ -124,7 +124,7 @@ def test_a_standing_weave_sinks_under_its_weight_and_its_feet_stay():
 
 def test_fixed_vertices_are_flags():
     with pytest.raises(RodError, match="fixed vertices are 4 flags"):
-        relax(bar(3), fixed=np.array([0, 1]))
+        relax_rods(bar(3), fixed=np.array([0, 1]))
 
 
 def test_sliding_straightens_a_wobbly_arc_and_keeps_it_flush():
@@ -135,7 +135,7 @@ def test_sliding_straightens_a_wobbly_arc_and_keeps_it_flush():
     line, _ = closest_points(tree, line)
     rods = rods_of([line], 0.5 * (line[1:] + line[:-1]), width=0.04, material=THIN)
     edgewise = edgewise_bending(rods.layout)
-    found = slide(rods, ball, rounds=4)
+    found = slide_rods(rods, ball, rounds=4)
     assert found.converged
     assert edgewise.energy(found.rods) < 0.1 * edgewise.energy(rods)
     near, faces = closest_points(tree, found.rods.points)
@@ -157,7 +157,7 @@ def test_ends_of_ribbons_do_not_slip_off_the_ribbons_on_which_they_end():
     guess = Contacts([[0, 24 + 6], [23, 36 + 6]], np.full((2, 2), 0.5), [0, 1])
     rods = replace(free, contacts=guess)
     rods = replace(rods, contacts=replaced_contacts(rods))
-    slid = slide(rods, ball).rods
+    slid = slide_rods(rods, ball).rods
     start = slid.points[slid.layout.ends[slid.contacts.segments, 0]]
     at = start + slid.contacts.places[..., None] * slid.edges[slid.contacts.segments]
     assert np.linalg.norm(at[:, 0] - at[:, 1], axis=1).max() < 0.01
@@ -179,7 +179,7 @@ def test_contacts_follow_ribbons_that_slide():
 
 def test_a_surface_can_be_slid_on_for_so_many_rounds():
     with pytest.raises(RodError, match="one round or more"):
-        slide(three_great_circles(), sphere(80), rounds=0)
+        slide_rods(three_great_circles(), sphere(80), rounds=0)
 
 
 @pytest.mark.parametrize("name", ["normal", "tangential", "position", "orientation"])
@@ -208,14 +208,14 @@ def test_relaxing_commutes_with_rigid_motion():
     moved = replace(
         rods, points=rods.points @ rotation.T + shift, directors=rods.directors @ rotation.T, edges=None
     )
-    one, two = relax(rods), relax(moved)
+    one, two = relax_rods(rods), relax_rods(moved)
     np.testing.assert_allclose(two.rods.points, one.rods.points @ rotation.T + shift, atol=1e-4)
 
 
 def test_soft_contacts_at_first_change_neither_the_end_nor_the_energies_told():
     rods = three_great_circles(24, tilt=0.01)
     terms = relaxing_terms(rods)
-    found, direct = relax(rods), minimized(rods, terms)
+    found, direct = relax_rods(rods), minimized(rods, terms)
     assert found.converged
     assert direct.converged
     assert found.energies == pytest.approx(direct.energies, rel=1e-4, abs=1e-7)
@@ -224,14 +224,14 @@ def test_soft_contacts_at_first_change_neither_the_end_nor_the_energies_told():
 
 
 def test_it_says_when_it_does_not_converge():
-    assert not relax(three_great_circles(tilt=0.01), stepping=Stepping(most_steps=1)).converged
+    assert not relax_rods(three_great_circles(tilt=0.01), stepping=Stepping(most_steps=1)).converged
 
 
 @pytest.mark.skipif(not PEER.is_dir(), reason="RibbonSim's files are not beside the checkout")
 @pytest.mark.parametrize("name", ["cone60", "torus7"])
 def test_peers_relax_and_stay_near_their_shape(name):
     rods = rods_of_file(read_rods(PEER / f"{name}.rod"))
-    found = relax(rods)
+    found = relax_rods(rods)
     assert found.converged
     diagonal = np.linalg.norm(np.ptp(rods.points, axis=0))
     shifted = np.linalg.norm(fitted(found.rods, rods) - rods.points, axis=1) / diagonal

@@ -11,7 +11,8 @@ import pytest
 
 from geoweave.errors import RodError
 from geoweave.models import shapes
-from geoweave.rods.weave_at_rest import Relaxed, boundary_ends, relaxed_weave, rods_of_weave
+from geoweave.rods.weave_at_rest import Relaxed, boundary_ends, elastic_rods, relax, relaxed_weave, slide
+from geoweave.surface.mesh import TriMesh
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.weave import Weave
 
@@ -86,7 +87,7 @@ def test_gravity_needs_something_to_stand_on() -> None:
 
 def test_a_fixed_boundary_stays() -> None:
     weave = cone()
-    rods = rods_of_weave(weave)
+    rods = elastic_rods(weave).rods
     fixed = boundary_ends(weave, rods)
     assert 0 < fixed.sum() <= 2 * len(rods)
     found = relaxed_weave(weave, fixed_boundary=True, rounds=1)
@@ -94,3 +95,31 @@ def test_a_fixed_boundary_stays() -> None:
     # what is held is measured where it is
     np.testing.assert_array_equal(found.departure.points, found.left.rods.points)
     assert not boundary_ends(weave_pattern(shapes.sphere(500), ribbons=8), rods).any()
+
+
+def test_step_by_step_is_the_one_call() -> None:
+    """What the README shows: rods, then sliding on the surface as it was given, then relaxing."""
+    surface = shapes.cone(faces=400)
+    weave = weave_pattern(surface, ribbons=8)
+    by_steps = relax(slide(elastic_rods(weave), surface, rounds=1))
+    at_once = relaxed_weave(weave, rounds=1)
+    np.testing.assert_array_equal(by_steps.left.rods.points, at_once.left.rods.points)
+    assert by_steps.departure.to_surface == at_once.departure.to_surface
+    assert by_steps.seconds.keys() == at_once.seconds.keys()
+
+
+def test_rods_take_a_width_in_the_unit_of_the_weave() -> None:
+    made = elastic_rods(cone(), width=4.0, thickness=0.2)
+    unit = cone().placement.scale
+    np.testing.assert_allclose(made.rods.widths * unit, 4.0, rtol=1e-12)
+    assert made.rods.material.thickness * unit == pytest.approx(0.2)
+    assert made.weave.width == made.rods.widths[0]
+    assert elastic_rods(cone()).weave is cone()
+
+
+def test_a_surface_elsewhere_is_refused() -> None:
+    weave = weave_pattern(shapes.cone(faces=400), ribbons=8)
+    far = shapes.sphere(200)
+    far = TriMesh(far.vertices + 5.0, far.faces)
+    with pytest.raises(RodError, match="give the surface that was woven"):
+        slide(elastic_rods(weave), far)

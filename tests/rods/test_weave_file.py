@@ -13,7 +13,7 @@ import pytest
 
 from geoweave.errors import WeaveFileError
 from geoweave.models import shapes
-from geoweave.rods.weave_at_rest import rods_of_weave
+from geoweave.rods.weave_at_rest import elastic_rods
 from geoweave.rods.weave_file import at_rest, read_weave, rods_of_document
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.weave import Weave
@@ -31,7 +31,7 @@ def document() -> dict[str, Any]:
 def test_rods_read_back_are_those_of_the_weave(tmp_path: Path) -> None:
     weave().save(tmp_path / "weave.json")
     back, center, scale = rods_of_document(read_weave(tmp_path / "weave.json"))
-    made = rods_of_weave(weave())
+    made = elastic_rods(weave()).rods
     assert len(back) == len(made)
     np.testing.assert_array_equal(back.layout.closed, made.layout.closed)
     np.testing.assert_array_equal(back.layout.offsets, made.layout.offsets)
