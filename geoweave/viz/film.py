@@ -15,7 +15,8 @@ from geoweave.errors import RenderError
 from geoweave.rods import Rods
 from geoweave.surface import TriMesh
 from geoweave.viz.rods import Sprung
-from geoweave.viz.scene import Pixels, Scene, View
+from geoweave.viz.scene import Pixels, Scene
+from geoweave.viz.views import View
 
 LARGEST = 300_000
 """Bytes that a film may take within a notebook."""

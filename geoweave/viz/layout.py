@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol
 
+import numpy as np
 from matplotlib.colors import Colormap, ListedColormap, to_rgb
 from matplotlib.figure import Figure
 
@@ -41,12 +42,10 @@ def place(figure: Figure, pixels: Pixels, left: float, top: float) -> None:
     axes.set_axis_off()
 
 
-def caption(
-    figure: Figure, words: tuple[str, str], middle: float, top: float, unit: float, *, down: float = 62
-) -> None:
+def caption(figure: Figure, words: tuple[str, str], middle: float, top: float, unit: float) -> None:
     """Write title and subtitle, centred at a share of the width, under a picture that ends at ``top``."""
     height = round(figure.bbox.height)
-    for text, below, size, colour in ((words[0], 14, 11.5, style.INK), (words[1], down, 9.0, style.FAINT)):
+    for text, below, size, colour in ((words[0], 14, 11.5, style.INK), (words[1], 62, 9.0, style.FAINT)):
         where = 1.0 - (top + unit * below) / height
         figure.text(middle, where, text, ha="center", va="top", size=unit * size, color=colour)
 
@@ -60,8 +59,9 @@ def grid(
     tallest: int,
     foot: float,
     gap: float = GAP,
+    equal_columns: bool = True,
 ) -> Figure:
-    """Draw scenes in rows of equal columns, models of a row equally tall, and leave room at the bottom.
+    """Draw scenes in rows, models of a row equally tall, and leave room at the bottom.
 
     Parameters
     ----------
@@ -70,6 +70,8 @@ def grid(
     columns : scenes in a row; all in one row if None
     width : pixels across the figure; a narrower one is the same figure, smaller
     tallest, foot, gap : height that no scene exceeds, room below, room between, in pixels at full width
+    equal_columns : whether all columns are equally wide; if not, a scene takes the width it needs, and what
+        is left of the row is shared out between its scenes
 
     Raises
     ------
@@ -79,9 +81,17 @@ def grid(
     if not scenes:
         raise RenderError("a gallery needs at least one panel")
     per_row, unit = columns or len(scenes), width / style.WIDTH
-    cell = (width - unit * (2 * SIDE + gap * (per_row - 1))) / per_row
+    inside = width - unit * (2 * SIDE + gap * (per_row - 1))
+    cell = inside / per_row
     rows = [range(start, min(start + per_row, len(scenes))) for start in range(0, len(scenes), per_row)]
-    heights = [min(round(unit * tallest), *(int(cell / scenes[k].aspect) for k in row)) for row in rows]
+    heights = []
+    for row in rows:
+        if equal_columns:
+            fitting = min(int(cell / scenes[k].aspect) for k in row)
+        else:
+            # A last row with fewer panels is no taller than a full one.
+            fitting = int(inside / (sum(scenes[k].aspect for k in row) * per_row / len(row)))
+        heights.append(min(round(unit * tallest), fitting))
     room = unit * (TITLE + (SUBTITLE if any(subtitle for _, subtitle in words) else 0))
     # A row of close-ups may have no words of its own.
     below = [room if any(words[k] != ("", "") for k in row) else 0.0 for row in rows]
@@ -90,13 +100,20 @@ def grid(
     with style.applied():
         top = unit * SIDE
         for row, height, words_below in zip(rows, heights, below, strict=True):
-            # A row that is not full stands in the middle.
-            left = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * gap)
-            for k in row:
-                pixels = scenes[k].draw(height)
-                place(figure, pixels, left + 0.5 * (cell - pixels.shape[1]), top)
-                caption(figure, words[k], (left + 0.5 * cell) / width, top + height, unit)
-                left += cell + unit * gap
+            pictures = [scenes[k].draw(height) for k in row]
+            if equal_columns:
+                # A row that is not full stands in the middle.
+                first = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * gap) + 0.5 * cell
+                middles = [first + k * (cell + unit * gap) for k in range(len(row))]
+            else:
+                spare = (width - sum(each.shape[1] for each in pictures)) / (len(row) + 1)
+                before = np.cumsum([0, *(each.shape[1] + spare for each in pictures)])
+                middles = [
+                    spare + start + 0.5 * each.shape[1] for start, each in zip(before, pictures, strict=False)
+                ]
+            for k, pixels, middle in zip(row, pictures, middles, strict=True):
+                place(figure, pixels, middle - 0.5 * pixels.shape[1], top)
+                caption(figure, words[k], middle / width, top + height, unit)
             top += height + words_below + unit * gap
     return figure
 

@@ -10,9 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, to_hex
+from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex
 from matplotlib.figure import Figure
 
 from geoweave.arrays import Indices, Vectors
@@ -21,10 +19,11 @@ from geoweave.errors import RenderError
 from geoweave.foliation import TURN, CircleFunction
 from geoweave.surface import Part, TriMesh
 from geoweave.viz import style
-from geoweave.viz.gallery import VIEWS
 from geoweave.viz.layout import grid
 from geoweave.viz.picture import Picture
-from geoweave.viz.scene import Scene, View
+from geoweave.viz.scales import Scale, colour_bar
+from geoweave.viz.scene import Scene
+from geoweave.viz.views import View, view_of
 
 FOOT = 150
 """Pixels of a full-width figure for the colour bar."""
@@ -34,6 +33,15 @@ SHADES = 24
 
 MARK = "#f5b83d"
 """Colour of dots on dislocations: amber, which the wheel does not hold."""
+
+
+def angles_of_faces(circle: CircleFunction) -> Vectors:
+    """(F, 3) angles at the corners of each face, radians: theta at the first, and its changes from there."""
+    change = circle.corner_jumps
+    start = circle.theta[circle.mesh.faces[:, 0]]
+    return np.asarray(
+        start[:, None] + np.stack([0 * start, change[:, 2], change[:, 2] + change[:, 0]], axis=1)
+    )
 
 
 def corner_angles(circle: CircleFunction, part: Part | None = None) -> tuple[TriMesh, Vectors]:
@@ -59,9 +67,8 @@ def corner_angles(circle: CircleFunction, part: Part | None = None) -> tuple[Tri
             f"theta lives on {circle.mesh.n_faces} faces, the part has {len(faces)}: give the part it is on"
         )
     change = circle.corner_jumps
-    start = circle.theta[circle.mesh.faces[:, 0]]
     angles = np.full((whole.n_faces, 3), np.nan)
-    angles[faces] = start[:, None] + np.stack([0 * start, change[:, 2], change[:, 2] + change[:, 0]], axis=1)
+    angles[faces] = angles_of_faces(circle)
     cut = np.flatnonzero(circle.dislocated)
     if not len(cut):
         return whole, angles
@@ -132,12 +139,11 @@ class Periodic:
     view: View | str = field(default_factory=View)
 
     def __post_init__(self) -> None:
-        if isinstance(self.view, str) and self.view not in VIEWS:
-            raise RenderError(f"no view is kept for '{self.view}': give a View, or one of {', '.join(VIEWS)}")
+        view_of(self.view)
 
     def scene(self) -> Scene:
         """Build the scene."""
-        scene = Scene(VIEWS[self.view] if isinstance(self.view, str) else self.view)
+        scene = Scene(view_of(self.view))
         mesh = self.circle.mesh if self.part is None else self.part.whole
         radius = mesh.bounding_radius
         if self.coloured:
@@ -208,10 +214,7 @@ def periodic_gallery(
 def _wheel_bar(figure: Figure, unit: float) -> None:
     """Draw the colours of one full turn at the bottom."""
     height = figure.bbox.height
-    axes = figure.add_axes((0.37, unit * 100 / height, 0.26, unit * 18 / height))
-    mappable = ScalarMappable(Normalize(0.0, TURN), style.cyclic())
-    bar = Colorbar(axes, mappable, orientation="horizontal", ticks=[k * TURN / 4 for k in range(5)])
-    bar.outline.set_visible(False)
-    bar.set_ticklabels(["0", "π/2", "π", "3π/2", "2π"])
-    axes.tick_params(length=unit * 3, width=unit * 0.7, pad=unit * 3, labelsize=unit * 8.5)
-    bar.set_label("θ (2π is 0 again)", size=unit * 9, labelpad=unit * 4)
+    box = (0.37, unit * 100 / height, 0.26, unit * 18 / height)
+    quarters = ("0", "π/2", "π", "3π/2", "2π")
+    ticks = {k * TURN / 4: words for k, words in enumerate(quarters)}
+    colour_bar(figure, Scale(style.cyclic(), 0.0, TURN, "θ (2π is 0 again)"), box, unit, ticks=ticks)

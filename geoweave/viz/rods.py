@@ -15,10 +15,11 @@ from geoweave.errors import RenderError
 from geoweave.rods import Relaxed, Rods, rigid_fit, vertex_weights
 from geoweave.surface import TriMesh
 from geoweave.viz import style
-from geoweave.viz.gallery import FOOT, VIEWS, Scale, colour_bars
 from geoweave.viz.layout import grid
 from geoweave.viz.picture import Picture
-from geoweave.viz.scene import Scene, View
+from geoweave.viz.scales import FOOT, Scale, colour_bars
+from geoweave.viz.scene import Scene
+from geoweave.viz.views import View, view_of
 from geoweave.viz.weaves import heights, strip
 
 CUTS = 4
@@ -73,7 +74,7 @@ class Sprung:
         RenderError
             If there are values but no scale to show them by.
         """
-        scene = Scene(VIEWS[self.view] if isinstance(self.view, str) else self.view, focus=self.focus)
+        scene = Scene(view_of(self.view), focus=self.focus)
         # Flat strips cut a little into a surface that curves away from them; a veil would flicker with them.
         depth = (4.0 if self.opacity >= 1.0 else 2.0) * self.rods.material.thickness
         sunk = TriMesh(self.target.vertices - depth * self.target.vertex_normals, self.target.faces)
@@ -167,15 +168,6 @@ def bands(rods: Rods, which: Indices, *, lifted: bool = False) -> Bands:
         none = np.zeros(0, dtype=np.int64)
         return Bands(np.zeros((0, 3)), none.reshape(0, 4), none)
     return Bands(np.concatenate(points), np.concatenate(quads), np.concatenate(owners))
-
-
-def energy_scale(values: Sequence[Scalars], unit: str, percentile: float = 98.0) -> Scale:
-    """One scale for the energy per length on all rods, from 0 to a percentile of all values."""
-    high = float(np.percentile(np.concatenate(list(values)), percentile))
-    if not high > 0:
-        raise RenderError("no rod has any energy, so there is nothing to show by colour")
-    label = f"elastic energy per length, {unit} (clamped at the {percentile:g}th percentile)"
-    return Scale(style.sequential(), 0.0, high, label)
 
 
 def rod_gallery(

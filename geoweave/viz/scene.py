@@ -12,11 +12,12 @@ from matplotlib.colors import Colormap, to_rgb
 from numpy.typing import NDArray
 from PIL import Image, ImageFilter
 
-from geoweave.arrays import Scalars, Vectors
+from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.curves import Curves
 from geoweave.errors import RenderError
 from geoweave.surface import Similarity, TriMesh
 from geoweave.viz import style
+from geoweave.viz.views import View
 
 Pixels = NDArray[np.uint8]
 """(height, width, 3) uint8."""
@@ -38,43 +39,6 @@ OCCLUSION_STRENGTH = 1.5
 
 OCCLUSION_BLUR = 0.002
 """Blur of the occlusion, as a share of the height of the picture."""
-
-
-@dataclass(frozen=True)
-class View:
-    """Where a model is looked at from.
-
-    Attributes
-    ----------
-    azimuth : degrees turned about the up axis; 0 looks along the second horizontal axis
-    elevation : degrees above the horizon
-    up : the axis that stands upright, "x", "y" or "z", with a minus sign if it points down
-    opening : vertical angle of the lens in degrees; small is nearly parallel
-    """
-
-    azimuth: float = 30.0
-    elevation: float = 15.0
-    up: str = "z"
-    opening: float = 14.0
-
-    @property
-    def axes(self) -> Vectors:
-        """(3, 3) rows: to the right, up in the picture, towards the eye."""
-        if self.up.lstrip("-") not in ("x", "y", "z"):
-            raise RenderError(
-                f"the up axis of a view is x, y or z, perhaps with a minus sign, not '{self.up}'"
-            )
-        k = "xyz".index(self.up[-1])
-        up = np.zeros(3)
-        up[k] = -1.0 if self.up.startswith("-") else 1.0
-        front = np.zeros(3)
-        front[(k + 1) % 3 if k != 1 else 2] = 1.0
-        side = np.cross(up, front)
-        turn, lift = np.radians(self.azimuth), np.radians(self.elevation)
-        level = np.cos(turn) * front + np.sin(turn) * side
-        eye = np.cos(lift) * level + np.sin(lift) * up
-        right = np.cross(up, level)
-        return np.stack([right, np.cross(eye, right), eye])
 
 
 @dataclass
@@ -244,6 +208,12 @@ class Scene:
             centres = placement.apply(points[np.array([each == colour for each in colours])])
             balls = pv.PolyData(centres).glyph(geom=ball, scale=False, orient=False)
             self._actors.append((balls, {"color": colour, "ambient": 0.35, "diffuse": 0.7, "specular": 0.2}))
+
+    def add_singularities(self, vertices: Vectors, indices: Indices, radius: float) -> None:
+        """Add a dot at each vertex of index (V,) other than 0: warm where positive, blue where negative."""
+        marked = np.flatnonzero(indices)
+        colours = [style.SOURCE if indices[v] > 0 else style.SADDLE for v in marked]
+        self.add_dots(vertices[marked], radius, colours)
 
     def _placed(self) -> Similarity:
         if self._placement is None:

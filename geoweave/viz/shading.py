@@ -6,12 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
 from geoweave.arrays import Indices, Scalars
 from geoweave.comparisons import TITLES, Integration
@@ -20,10 +16,11 @@ from geoweave.errors import RenderError
 from geoweave.foliation import deviation, isolines
 from geoweave.surface import TriMesh
 from geoweave.viz import style
-from geoweave.viz.gallery import VIEWS, Scale
 from geoweave.viz.layout import grid
 from geoweave.viz.picture import Picture
-from geoweave.viz.scene import Scene, View
+from geoweave.viz.scales import Scale, colour_bar
+from geoweave.viz.scene import Scene
+from geoweave.viz.views import View, view_of
 
 GAP, FOOT = 46, 160
 """Pixels of a full-width figure: between panels, for bar and legend."""
@@ -77,12 +74,11 @@ class Shaded:
                 f"panel '{self.title}': values of faces need shape ({self.mesh.n_faces},), "
                 f"not {self.values.shape}"
             )
-        if isinstance(self.view, str) and self.view not in VIEWS:
-            raise RenderError(f"no view is kept for '{self.view}': give a View, or one of {', '.join(VIEWS)}")
+        view_of(self.view)
 
     def scene(self, scale: Scale) -> Scene:
         """Build the scene, values in the colours of a scale."""
-        scene = Scene(VIEWS[self.view] if isinstance(self.view, str) else self.view)
+        scene = Scene(view_of(self.view))
         limits = (scale.low, scale.high)
         values = _at_vertices(self.mesh, self.values) if self.smooth else self.values
         scene.add_surface(self.mesh, values=values, limits=limits, colormap=scale.colormap)
@@ -91,9 +87,7 @@ class Shaded:
             if len(family.curves):
                 scene.add_curves(family.curves, family.thickness * radius, colour=family.colour)
         if self.indices is not None:
-            marked = np.flatnonzero(self.indices)
-            colours = [style.SOURCE if self.indices[v] > 0 else style.SADDLE for v in marked]
-            scene.add_dots(self.mesh.vertices[marked], 0.022 * radius, colours)
+            scene.add_singularities(self.mesh.vertices, self.indices, 0.022 * radius)
         return scene
 
 
@@ -106,11 +100,6 @@ def _at_vertices(mesh: TriMesh, values: Scalars | None) -> Scalars | None:
     total = np.bincount(corners, np.repeat(np.nan_to_num(values) * weights, 3))
     weight = np.bincount(corners, np.repeat(weights, 3))
     return np.where(weight > 0, total / np.where(weight > 0, weight, 1.0), np.nan)
-
-
-def deviation_scale(high: float = 30.0) -> Scale:
-    """Scale of the angle between level sets and field: black where they are aligned, as in Fig. 15."""
-    return Scale(style.shade(), 0.0, high, "angle between level sets and field (degrees)")
 
 
 def deviation_panel(result: Integration, lines: Curves, view: View | str) -> Shaded:
@@ -137,11 +126,6 @@ def deviation_panel(result: Integration, lines: Curves, view: View | str) -> Sha
         ],
         view=view,
     )
-
-
-def factor_scale(high: float, label: str = "integrating factor s") -> Scale:
-    """Scale of a positive factor from zero to ``high``, dark where it is large."""
-    return Scale(style.heat(), 0.0, high, label)
 
 
 def shaded_gallery(
@@ -189,16 +173,8 @@ def _foot(figure: Figure, scale: Scale, panels: Sequence[Shaded], unit: float) -
     height = figure.bbox.height
     labels = {each.label: each.colour for panel in panels for each in panel.families if each.label}
     centre, long = (0.36, 0.40) if labels else (0.5, 0.40)
-    axes = figure.add_axes((centre - 0.5 * long, unit * 112 / height, long, unit * 18 / height))
-    bar = Colorbar(
-        axes, ScalarMappable(Normalize(scale.low, scale.high), scale.colormap), orientation="horizontal",
-        extend=scale.ends, extendfrac=0.03,
-    )  # fmt: skip
-    bar.outline.set_visible(False)
-    axes.tick_params(length=unit * 3, width=unit * 0.7, pad=unit * 3, labelsize=unit * 8.5)
-    bar.locator = MaxNLocator(6)
-    bar.update_ticks()
-    bar.set_label(scale.label, size=unit * 9, labelpad=unit * 4)
+    box = (centre - 0.5 * long, unit * 112 / height, long, unit * 18 / height)
+    colour_bar(figure, scale, box, unit)
     if labels:
         handles = [Line2D([], [], color=colour, linewidth=unit * 3.0) for colour in labels.values()]
         figure.legend(

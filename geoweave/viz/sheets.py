@@ -13,9 +13,11 @@ from geoweave.fields import RoSyField
 from geoweave.foliation import Foliation
 from geoweave.surface import TriMesh, part_of
 from geoweave.viz import style
-from geoweave.viz.gallery import VIEWS
-from geoweave.viz.scene import Scene, View
-from geoweave.viz.vectors import Arrows, Lines
+from geoweave.viz.arrows import Arrows
+from geoweave.viz.periodic import angles_of_faces
+from geoweave.viz.plate import Lines
+from geoweave.viz.scene import Scene
+from geoweave.viz.views import View, view_of
 from geoweave.weave import Cover
 
 PALE = 0.42
@@ -115,7 +117,7 @@ def rosy_scene(
     view : where from, or the name of a model in `VIEWS`
     spacing, thickness : of the rosettes and radius of their bars, in bounding radii
     """
-    scene, mesh = Scene(VIEWS[view] if isinstance(view, str) else view), rosy.mesh
+    scene, mesh = Scene(view_of(view)), rosy.mesh
     scene.add_surface(mesh, crease=35.0)
     radius = mesh.bounding_radius
     chosen = spread(mesh, spacing * radius)
@@ -126,9 +128,7 @@ def rosy_scene(
         vector = values[:, k, None].real * along + values[:, k, None].imag * aside
         ends = np.stack([middle, middle + 0.36 * spacing * radius * vector], axis=1)
         scene.add_segments(ends, thickness * radius)
-    marked = np.flatnonzero(rosy.index_numerators)
-    colours = [style.SOURCE if rosy.index_numerators[v] > 0 else style.SADDLE for v in marked]
-    scene.add_dots(mesh.vertices[marked], 0.026 * radius, colours)
+    scene.add_singularities(mesh.vertices, rosy.index_numerators, 0.026 * radius)
     return scene
 
 
@@ -149,15 +149,12 @@ def theta_scene(cover: Cover, foliation: Foliation, view: View | str, *, sheet: 
     """
     if foliation.part.whole is not cover.mesh:
         raise RenderError("the foliation is not one of the cover: lift it from the quotient first")
-    circle, faces = foliation.circle, foliation.part.faces
-    change = circle.corner_jumps
-    start = circle.theta[circle.mesh.faces[:, 0]]
-    corners = start[:, None] + np.stack([0 * start, change[:, 2], change[:, 2] + change[:, 0]], axis=1)
+    faces, corners = foliation.part.faces, angles_of_faces(foliation.circle)
     below = cover.rosy.mesh
     angles = np.full((below.n_faces, 3), np.nan)
     own = cover.combed[faces] == sheet
     angles[cover.faces[faces[own]]] = corners[own]
-    scene = Scene(VIEWS[view] if isinstance(view, str) else view)
+    scene = Scene(view_of(view))
     scene.add_periodic(below, angles)
     return scene
 

@@ -4,49 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Colormap, Normalize
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from geoweave.arrays import Indices, Scalars
 from geoweave.curves import Curves, geodesic_curvature
 from geoweave.errors import RenderError
 from geoweave.surface import TriMesh
 from geoweave.viz import style
-from geoweave.viz.layout import caption, place
-from geoweave.viz.picture import Picture, sheet
-from geoweave.viz.scene import Scene, View
-
-VIEWS = {
-    "armadillo": View(azimuth=205, elevation=8, up="y"),
-    "bunny": View(azimuth=-15, elevation=12, up="y"),
-    "bumpy-box": View(azimuth=28, elevation=24, up="z"),
-    "camel": View(azimuth=68, elevation=8, up="y"),
-    "cone": View(azimuth=0, elevation=38, up="z"),
-    "cow": View(azimuth=50, elevation=12, up="y"),
-    "crown": View(azimuth=20, elevation=30, up="z"),
-    "fertility": View(azimuth=0, elevation=10, up="y"),
-    "genus-4": View(azimuth=20, elevation=35, up="z"),
-    "icosahedron": View(azimuth=14, elevation=16, up="z"),
-    "rocker-arm": View(azimuth=225, elevation=38, up="x"),
-    "rocker-like": View(azimuth=25, elevation=28, up="y"),
-    "saddle": View(azimuth=12, elevation=48, up="z"),
-    "schwarz-p": View(azimuth=30, elevation=22, up="z"),
-    "sphere": View(azimuth=20, elevation=25, up="z"),
-    "spot": View(azimuth=128, elevation=12, up="y"),
-    "torus": View(azimuth=-38, elevation=-34, up="z"),
-    "vessel": View(azimuth=60, elevation=12, up="z"),
-}
-"""How each named model is looked at, standing upright."""
-
-
-SIDE, GAP, CAPTION, FOOT = 34, 50, 98, 156
-"""Pixels of a full-width figure: its border, between models, for the words under one, for the colour bars."""
+from geoweave.viz.layout import grid
+from geoweave.viz.picture import Picture
+from geoweave.viz.scales import FOOT, Scale, colour_bars, rounded_up
+from geoweave.viz.scene import Scene
+from geoweave.viz.views import View, view_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,26 +56,7 @@ class Panel:
     @property
     def eye(self) -> View:
         """The view, looked up if it was named."""
-        if isinstance(self.view, View):
-            return self.view
-        if self.view not in VIEWS:
-            raise RenderError(f"no view is kept for '{self.view}': give a View, or one of {', '.join(VIEWS)}")
-        return VIEWS[self.view]
-
-
-@dataclass(frozen=True)
-class Scale:
-    """What a colour means: the map, its limits and the words beside its bar."""
-
-    colormap: Colormap
-    low: float
-    high: float
-    label: str
-
-    @property
-    def ends(self) -> Literal["both", "max"]:
-        """Which ends of the bar stand for everything beyond."""
-        return "both" if self.low < 0 else "max"
+        return view_of(self.view)
 
 
 def curvature_scale(panels: Sequence[Panel], percentile: float = 95.0) -> Scale:
@@ -119,13 +70,13 @@ def curvature_scale(panels: Sequence[Panel], percentile: float = 95.0) -> Scale:
     share = np.cumsum(weight[order]) / weight.sum()
     high = value[order][min(int(np.searchsorted(share, percentile / 100.0)), len(order) - 1)]
     label = rf"geodesic curvature $|\kappa_g|$ × bounding radius (clamped at the {percentile:g}th percentile)"
-    return Scale(style.sequential(), 0.0, _round_up(float(high)), label)
+    return Scale(style.sequential(), 0.0, rounded_up(float(high)), label)
 
 
 def curl_scale(panels: Sequence[Panel], percentile: float = 98.0) -> Scale:
     """One scale for the signed values on all surfaces, centred at zero, clamped at a percentile."""
     size = np.concatenate([np.abs(panel.face_values) for panel in panels if panel.face_values is not None])
-    high = _round_up(float(np.percentile(size, percentile)))
+    high = rounded_up(float(np.percentile(size, percentile)))
     label = f"signed curl (clamped at the {percentile:g}th percentile)"
     return Scale(style.diverging(), -high, high, label)
 
@@ -169,31 +120,16 @@ def streamline_gallery(
     if any(panel.face_values is not None for panel in panels):
         curl = curl_scale(panels)
         scales.append(curl)
-    scenes = [panel_scene(panel, scale, curl, share) for panel in panels]
-    per_row = columns or len(panels)
-    rows = [list(range(i, min(i + per_row, len(panels)))) for i in range(0, len(panels), per_row)]
-    unit = width / style.WIDTH
-    heights = []
-    for row in rows:
-        # A last row with fewer panels is no taller than a full one.
-        room = width - unit * (2 * SIDE + GAP * (per_row - 1))
-        wanted = sum(scenes[k].aspect for k in row) * per_row / len(row)
-        heights.append(min(round(unit * tallest), int(room / wanted)))
-    below = unit * (CAPTION if any(panel.subtitle for panel in panels) else CAPTION - 38)
-    total = round(sum(heights) + (below + unit * SIDE) * len(rows) + unit * FOOT)
-    figure = sheet(width, total)
+    figure = grid(
+        [panel_scene(panel, scale, curl, share) for panel in panels],
+        [(panel.title, panel.subtitle) for panel in panels],
+        columns=columns,
+        width=width,
+        tallest=tallest,
+        foot=FOOT,
+        equal_columns=False,
+    )
     with style.applied():
-        top = unit * SIDE
-        for row, height in zip(rows, heights, strict=True):
-            pictures = [scenes[k].draw(height) for k in row]
-            spare = (width - sum(picture.shape[1] for picture in pictures)) / (len(row) + 1)
-            left = spare
-            for k, picture in zip(row, pictures, strict=True):
-                place(figure, picture, left, top)
-                middle = (left + 0.5 * picture.shape[1]) / width
-                caption(figure, (panels[k].title, panels[k].subtitle), middle, top + height, unit, down=57)
-                left += picture.shape[1] + spare
-            top += height + below + unit * SIDE
         colour_bars(figure, scales)
     words = alt or "Streamlines on " + ", ".join(panel.title for panel in panels)
     return Picture(figure, words, tuple(each.colormap for each in scales))
@@ -218,37 +154,9 @@ def panel_scene(
     if panel.seams is not None and len(panel.seams):
         scene.add_segments(mesh.vertices[mesh.edges[panel.seams]], 2.2 * thickness, style.BLUE)
     if panel.indices is not None:
-        marked = np.flatnonzero(panel.indices)
-        colours = [style.SOURCE if panel.indices[v] > 0 else style.SADDLE for v in marked]
-        scene.add_dots(mesh.vertices[marked], 3.2 * thickness, colours)
+        scene.add_singularities(mesh.vertices, panel.indices, 3.2 * thickness)
     return scene
 
 
 def _bending(curves: Curves) -> Scalars:
     return np.abs(geodesic_curvature(curves)) * curves.mesh.bounding_radius
-
-
-def _round_up(value: float) -> float:
-    """Two leading digits, upwards."""
-    if value <= 0:
-        return 1.0
-    step = 10.0 ** (np.floor(np.log10(value)) - 1)
-    return float(np.ceil(value / step - 1e-9) * step)
-
-
-def colour_bars(figure: Figure, scales: Sequence[Scale]) -> None:
-    """Draw the colour bars at the bottom, side by side."""
-    width, height = round(figure.bbox.width), round(figure.bbox.height)
-    unit, long = width / style.WIDTH, 0.34
-    for number, scale in enumerate(scales):
-        centre = 0.5 if len(scales) == 1 else 0.27 + 0.46 * number
-        axes = figure.add_axes((centre - 0.5 * long, unit * 108 / height, long, unit * 18 / height))
-        bar = Colorbar(
-            axes, ScalarMappable(Normalize(scale.low, scale.high), scale.colormap), orientation="horizontal",
-            extend=scale.ends, extendfrac=0.03,
-        )  # fmt: skip
-        bar.outline.set_visible(False)
-        axes.tick_params(length=unit * 3, width=unit * 0.7, pad=unit * 3, labelsize=unit * 8.5)
-        bar.locator = MaxNLocator(6)
-        bar.update_ticks()
-        bar.set_label(scale.label, size=unit * 9, labelpad=unit * 4)

@@ -13,10 +13,10 @@ from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.errors import RenderError
 from geoweave.surface import TriMesh
 from geoweave.viz import style
-from geoweave.viz.gallery import VIEWS
 from geoweave.viz.layout import gallery
 from geoweave.viz.picture import Picture
-from geoweave.viz.scene import Scene, View
+from geoweave.viz.scene import Scene
+from geoweave.viz.views import View, view_of
 from geoweave.weave import Weave
 
 STEP = 0.06
@@ -193,7 +193,7 @@ def weave_scene(
     thickness: float | None = None,
 ) -> Scene:
     """Build the scene of a weave on its surface, ribbons in the chosen colours or in those of `colouring`."""
-    scene = Scene(VIEWS[view] if isinstance(view, str) else view)
+    scene = Scene(view_of(view))
     # The surface a little behind, so that what goes under is not lost in it; where normals point inwards one
     # looks at the ribbons from below.
     depth = 1.3 * (weave.thickness if thickness is None else thickness) * facing(weave.mesh)

@@ -12,7 +12,7 @@ from geoweave.rods.departure import vertex_weights
 from geoweave.rods.elastic_energies import energy_density
 from geoweave.rods.rods import Contacts, Layout, Material, Rods
 from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave
-from geoweave.viz.gallery import Scale
+from geoweave.viz.scales import Scale
 from geoweave.weave.design import weave_pattern
 
 

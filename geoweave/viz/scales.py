@@ -1,0 +1,121 @@
+"""What a colour means: a map with its limits, the bar that shows it, and the scales that figures share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from geoweave.arrays import Scalars
+from geoweave.errors import RenderError
+from geoweave.viz import style
+
+FOOT = 156
+"""Pixels of a full-width figure for colour bars below the panels."""
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What a colour means: the map, its limits and the words beside its bar."""
+
+    colormap: Colormap
+    low: float
+    high: float
+    label: str
+
+    @property
+    def ends(self) -> Literal["both", "max"]:
+        """Which ends of the bar stand for everything beyond."""
+        return "both" if self.low < 0 else "max"
+
+
+def heat_scale(values: Scalars, label: str, percentile: float = 98.0) -> Scale:
+    """Scale of magnitudes on a pale surface, from zero to a percentile of the given values."""
+    high = float(np.percentile(values, percentile))
+    return Scale(style.heat(), 0.0, high if high > 0 else 1.0, label)
+
+
+def factor_scale(high: float, label: str = "integrating factor s") -> Scale:
+    """Scale of a positive factor from zero to ``high``, dark where it is large."""
+    return Scale(style.heat(), 0.0, high, label)
+
+
+def deviation_scale(high: float = 30.0) -> Scale:
+    """Scale of the angle between level sets and field: black where they are aligned, as in Fig. 15."""
+    return Scale(style.shade(), 0.0, high, "angle between level sets and field (degrees)")
+
+
+def energy_scale(values: Sequence[Scalars], unit: str, percentile: float = 98.0) -> Scale:
+    """One scale for the energy per length on all rods, from 0 to a percentile of all values.
+
+    Raises
+    ------
+    RenderError
+        If no value is positive.
+    """
+    high = float(np.percentile(np.concatenate(list(values)), percentile))
+    if not high > 0:
+        raise RenderError("no rod has any energy, so there is nothing to show by colour")
+    label = f"elastic energy per length, {unit} (clamped at the {percentile:g}th percentile)"
+    return Scale(style.sequential(), 0.0, high, label)
+
+
+def rounded_up(value: float) -> float:
+    """Round up to two leading digits; 1 if the value is not positive."""
+    if value <= 0:
+        return 1.0
+    step = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return float(np.ceil(value / step - 1e-9) * step)
+
+
+def colour_bar(
+    figure: Figure,
+    scale: Scale,
+    box: tuple[float, float, float, float],
+    unit: float,
+    *,
+    upright: bool = False,
+    ticks: Mapping[float, str] | None = None,
+) -> None:
+    """Draw the bar of a scale with its label.
+
+    Parameters
+    ----------
+    figure : where
+    scale : what its colours mean
+    box : left, bottom, width and height as shares of the figure
+    unit : pixels of this figure for one of a figure of full width
+    upright : whether the bar stands; else it lies
+    ticks : values and their words; about six round numbers if not given, and the ends are open
+    """
+    axes = figure.add_axes(box)
+    bar = Colorbar(
+        axes, ScalarMappable(Normalize(scale.low, scale.high), scale.colormap),
+        orientation="vertical" if upright else "horizontal",
+        extend="neither" if ticks else scale.ends, extendfrac=0.03, ticks=list(ticks) if ticks else None,
+    )  # fmt: skip
+    bar.outline.set_visible(False)
+    axes.tick_params(length=unit * 3, width=unit * 0.7, pad=unit * 3, labelsize=unit * 8.5)
+    if ticks:
+        bar.set_ticklabels(list(ticks.values()))
+    else:
+        bar.locator = MaxNLocator(6)
+        bar.update_ticks()
+    bar.set_label(scale.label, size=unit * 9, labelpad=unit * 4)
+
+
+def colour_bars(figure: Figure, scales: Sequence[Scale]) -> None:
+    """Draw the bars of one or two scales at the bottom of a figure, side by side."""
+    width, height = round(figure.bbox.width), round(figure.bbox.height)
+    unit, long = width / style.WIDTH, 0.34
+    for number, scale in enumerate(scales):
+        centre = 0.5 if len(scales) == 1 else 0.27 + 0.46 * number
+        box = (centre - 0.5 * long, unit * 108 / height, long, unit * 18 / height)
+        colour_bar(figure, scale, box, unit)
