@@ -114,7 +114,9 @@ def _found(made: Twin, beside: Mapping[str, Any]) -> dict[str, Likeness]:
 
 def sentence(made: Twin, target: Likeness | None, name: str) -> str:
     """What a maker is told in the end."""
-    strips, doubts = made.pattern.strips, made.surface.slips
+    from geoweave.twin import contradiction_sentence
+
+    strips, doubts = made.pattern.strips, made.contradictions
     if target is None:
         return "The strips go together; no relaxed.json or weave.json is beside the pattern to compare with."
     far = f"{target.crossings.mean:.1%} of the diagonal in the mean, {target.crossings.largest:.1%} at most"
@@ -122,7 +124,7 @@ def sentence(made: Twin, target: Likeness | None, name: str) -> str:
     where = f"{target.crossings.largest * target.diagonal:.3g} mm, where {one} crosses {other}"
     if not target.comes_back:
         return f"The object does not come back: its crossings are {far} from those of {name} ({where})."
-    end = f" Check {made.surface.said(doubts[0])}." if doubts else ""
+    end = f" Check {contradiction_sentence(made.pattern, doubts[0])}." if doubts else ""
     return f"The object comes back: its crossings are {far} from those of {name} ({where}).{end}"
 
 

@@ -148,7 +148,7 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
     from geoweave.meshing import evened
     from geoweave.pipeline import write_weave
     from geoweave.rods import relaxed_weave
-    from geoweave.twin import surface_of
+    from geoweave.twin import contradictions_of, surface_of
     from geoweave.weave import inspected, weave_pattern
 
     cut, wanted = formats_of(asked.formats)
@@ -181,7 +181,7 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
             strips = pattern_of(lies or pattern) if cut else None
             slipped = 0
             if strips is not None and lies is not None:
-                slipped = sum(slip.plain for slip in surface_of(strips).slips)
+                slipped = sum(each.plain for each in contradictions_of(surface_of(strips)))
                 if slipped:  # nobody could put these strips together
                     strips, lies = pattern_of(pattern), None
             without: dict[str, str] = {}

@@ -33,6 +33,7 @@ from geoweave.rods import (
     vertex_weights,
 )
 from geoweave.surface import closest_points, segment_tree
+from geoweave.twin.contradictions import Contradiction, contradiction_sentence, contradictions_of
 from geoweave.twin.laid_strips import LaidStrips, laid
 from geoweave.twin.pattern_surface import PatternSurface, surface_of
 from geoweave.twin.placement import has_outside, net_of, outward, placed
@@ -137,6 +138,11 @@ class Twin:
         """Whether that tells the object from its mirror image; of the two either may be woven if not."""
         return has_outside(self.surface, self.outward)
 
+    @cached_property
+    def contradictions(self) -> tuple[Contradiction, ...]:
+        """Where the pattern contradicts itself; nothing if it is sound."""
+        return contradictions_of(self.surface)
+
     def compared(self, document: Mapping[str, Any], name: str = "weave.json") -> Likeness:
         """Put the twin on a weave by the best rigid motion, and measure how far it is off.
 
@@ -201,7 +207,7 @@ class Twin:
                 "euler_characteristic": surface.euler_characteristic,
                 "genus": surface.genus,
                 "openings": surface.openings,
-                "contradictions": [surface.said(slip) for slip in surface.slips],
+                "contradictions": [contradiction_sentence(pattern, each) for each in self.contradictions],
             },
             "outward": self.outward,
             "side_known": self.side_known,
@@ -321,11 +327,11 @@ def assembled(
             f"(one with {pattern.strips[first[0]].label}, one with {pattern.strips[second[0]].label}); "
             "put each of them together by itself"
         )
-    plain = [slip for slip in surface.slips if slip.plain]
+    plain = [each for each in contradictions_of(surface) if each.plain]
     if not anyway and plain:
         more = f", and {len(plain) - 1} more such places" if len(plain) > 1 else ""
         raise FieldError(
-            f"the pattern contradicts itself: {surface.said(plain[0])}{more}; correct the place, or export "
+            f"the pattern contradicts itself: {contradiction_sentence(pattern, plain[0])}{more}; correct the place, or export "
             "the weave as it was designed (--no-relax), before its ribbons slid past each other; --anyway "
             "puts it together all the same"
         )

@@ -1,16 +1,15 @@
-"""A pattern's own topology: faces from signed angles, the genus, and what contradicts itself."""
+"""A pattern's own topology: faces from signed angles, and the genus."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import laidflat
 import numpy as np
 import pytest
-from twinned import inner, pattern, woven
+from twinned import pattern, woven
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.pattern import pattern_of
+from geoweave.twin.contradictions import contradictions_of
 from geoweave.twin.pattern_surface import surface_of
 
 
@@ -19,7 +18,7 @@ def test_lines_in_the_plane_have_the_faces_one_sees() -> None:
     assert surface.euler_characteristic == 2
     assert surface.genus == 0
     assert not surface.tangled
-    assert surface.slips == ()
+    assert contradictions_of(surface) == ()
     # A stretch is gone along once on each side.
     darts = np.concatenate(surface.faces)
     assert len(np.unique(darts)) == len(darts) == 2 * len(surface.edges)
@@ -61,57 +60,6 @@ def test_the_genus_is_that_of_the_designed_surface(name: str) -> None:
     assert len(surface.pieces) == 1
     assert not surface.tangled
     assert surface.openings == (1 if name == "cone" else 0)
-
-
-@pytest.mark.parametrize("name", ["cone", "sphere", "torus"])
-def test_a_wrong_sign_is_found_at_its_crossing(name: str) -> None:
-    sound = pattern(name, "designed")
-    among = inner(surface_of(sound))
-    assert len(among) > 10
-    for x in among[::3]:
-        angle = sound.angle.copy()
-        angle[x] *= -1
-        surface = surface_of(replace(sound, angle=angle))
-        assert surface.euler_characteristic == 2 - 2 * woven(name).genus - 2
-        assert (x,) in [slip.crossings for slip in surface.slips]
-        assert f"crossing {x} of" in surface.said(surface.slips[0])
-
-
-@pytest.mark.parametrize("name", ["cone", "sphere"])
-def test_a_place_beyond_its_neighbours_is_found(name: str) -> None:
-    sound = pattern(name, "designed")
-    rng = np.random.default_rng(0)
-    moved = named = 0
-    for x in inner(surface_of(sound)):
-        side = int(rng.integers(2))
-        r = int(sound.ribbons[x, side])
-        at = sound.at.copy()
-        at[x, side] = rng.uniform(0, sound.strips[r].length)
-        wrong = replace(sound, at=at)
-        before, after = ([each.crossing for each in one.passages[r]] for one in (sound, wrong))
-        if before == after:
-            continue
-        moved += 1
-        surface = surface_of(wrong)
-        assert surface.tangled
-        named += any(x in slip.crossings for slip in surface.slips)
-    assert moved >= 10
-    assert named >= 0.9 * moved
-
-
-def test_two_neighbours_in_the_wrong_order_are_told() -> None:
-    sound = pattern("sphere", "designed")
-    surface = surface_of(sound)
-    long = int(np.argmax(surface.stretch[surface.edges[:, 0]]))
-    here, there = surface.edges[long].tolist()
-    (x, s), (y, t) = divmod(here // 2, 2), divmod(there // 2, 2)
-    at = sound.at.copy()
-    at[x, s], at[y, t] = sound.at[y, t], sound.at[x, s]
-    wrong = surface_of(replace(sound, at=at))
-    plain = [slip for slip in wrong.slips if slip.plain]
-    assert {x, y} & {each for slip in plain for each in slip.crossings}
-    for slip in wrong.slips:
-        assert sound.strips[slip.strip].label in wrong.said(slip)
 
 
 def test_nothing_to_weave() -> None:
