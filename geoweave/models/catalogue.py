@@ -1,6 +1,7 @@
-"""The models of the paper's figures by name: embedded or fetched scans, and procedural surfaces.
+"""The models of the paper's figures by name: scans and surfaces made by formulas.
 
-A notebook names its models in its parameters, so that a profile can swap a stand-in for the real one.
+A notebook names its models in its parameters. Another profile can then name the real model instead of its
+stand-in.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ class Model:
 
     Attributes
     ----------
-    title : words for a caption; says so where the model stands in for another
-    role : the row of Table 1 that it plays, "" if none
-    view : the camera kept for it in `geoweave.viz`
-    build : makes the surface, or None for a scan of that name in `geoweave.models.datasets`
+    title : words for a caption; names the model that it stands in for
+    role : the row of Table 1 that it belongs to, "" if none
+    view : name of its camera in `geoweave.viz`
+    build : makes the surface; None for a scan of that name in `geoweave.models.datasets`
     """
 
     title: str
@@ -61,7 +62,12 @@ def about(name: str) -> Model:
     Raises
     ------
     DataError
-        If there is no model of that name; the message lists those there are.
+        If there is no model of that name; the message lists all names.
+
+    Examples
+    --------
+    >>> gw.models.about("spot").title
+    'Spot (for the cow)'
     """
     if name not in MODELS:
         raise DataError(f"there is no model '{name}'; there are: {', '.join(MODELS)}")
@@ -74,7 +80,13 @@ def load(name: str) -> TriMesh:
     Raises
     ------
     DataError
-        If there is no such model, or its scan cannot be had.
+        If there is no such model, or its scan is not on this machine and cannot be fetched.
+
+    Examples
+    --------
+    >>> torus = gw.models.load("torus")
+    >>> torus.genus, round(torus.bounding_radius, 9)
+    (1, 1.0)
     """
     build = about(name).build
     mesh = datasets.load(name) if build is None else build()

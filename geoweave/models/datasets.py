@@ -1,8 +1,8 @@
-"""Named scanned meshes: a few embedded in the package, the rest fetched once and checked by sha256.
+"""Scanned meshes by name: a few come with the package, the others are fetched once.
 
-A mesh is looked for in the package, then in the folder named by the environment variable
-``GEOWEAVE_DATA_DIR``, then in the cache, then at its pinned address. Whatever is found must have the sha256
-of the registry; nothing else is ever put in its place.
+An embedded mesh lies in the package. Any other is looked for in the folder that the environment variable
+``GEOWEAVE_DATA_DIR`` names, then in the cache, then at its address. The file must have the sha256 of the
+registry; no other mesh ever takes its place.
 """
 
 from __future__ import annotations
@@ -19,11 +19,13 @@ from geoweave.errors import DataError
 from geoweave.surface import TriMesh
 
 VARIABLE = "GEOWEAVE_DATA_DIR"
+"""The environment variable that names a folder of local copies."""
 
 TIMEOUT = 30.0
 """Seconds without an answer after which a server counts as unreachable."""
 
 EMBEDDED = PACKAGE / "data"
+"""The folder of the meshes that come with the package."""
 
 _CGAL = "Debian package libcgal-demo 5.5.1-2, data.tar.gz, "
 _COMMON = "https://raw.githubusercontent.com/alecjacobson/common-3d-test-models/"
@@ -43,11 +45,11 @@ class Dataset:
     licence: str
     credit: str
     url: str | None = None
-    """Where it is fetched from; None for a mesh embedded in the package."""
+    """Where it is fetched from; None for a mesh that comes with the package."""
     up: str = "y"
     """The axis that points up."""
     front: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    """A direction from the middle of the mesh to a viewer who sees its good side."""
+    """The direction from the middle of the mesh to a camera in front of it."""
 
     @property
     def embedded(self) -> bool:
@@ -136,17 +138,28 @@ REGISTRY = {
 
 
 def names() -> tuple[str, ...]:
-    """Names of all registered meshes, the embedded ones first."""
+    """Return the names of all registered meshes, the embedded ones first.
+
+    Examples
+    --------
+    >>> gw.datasets.names()[:4]
+    ('armadillo', 'bunny', 'camel', 'spot')
+    """
     return tuple(REGISTRY)
 
 
 def dataset(name: str) -> Dataset:
-    """The registry's entry for a name.
+    """Return the registry's entry for a name.
 
     Raises
     ------
     DataError
-        If there is none.
+        If there is none; the message lists all names.
+
+    Examples
+    --------
+    >>> gw.datasets.dataset("spot").licence
+    'public domain (CC0-1.0)'
     """
     if name not in REGISTRY:
         raise DataError(f"there is no data set '{name}'; the data sets are {', '.join(names())}")
@@ -154,19 +167,35 @@ def dataset(name: str) -> Dataset:
 
 
 def available(name: str) -> bool:
-    """Whether a mesh can be loaded without the network."""
+    """Whether a mesh can be loaded without the network.
+
+    Raises
+    ------
+    DataError
+        If no mesh has that name, or ``GEOWEAVE_DATA_DIR`` names no folder.
+
+    Examples
+    --------
+    >>> gw.datasets.available("bunny")
+    True
+    """
     entry = dataset(name)
     return any(_intact(place, entry) for place in _places(entry))
 
 
 def fetch(name: str) -> Path:
-    """The checked file of a named mesh, downloaded to the cache if it is nowhere on this machine.
+    """Return the checked file of a named mesh; download it to the cache if it is not on this machine.
 
     Raises
     ------
     DataError
         If the name is unknown, a local copy has the wrong sha256, or the download fails or has the wrong
         sha256. A download that fails leaves nothing behind.
+
+    Examples
+    --------
+    >>> gw.datasets.fetch("camel").name
+    'camel.npz'
     """
     entry = dataset(name)
     for place in _places(entry):
@@ -182,12 +211,19 @@ def fetch(name: str) -> Path:
 
 
 def load(name: str) -> TriMesh:
-    """A named mesh in its own units, mended where its file needs it (`geoweave.meshing.prepare`).
+    """Load a named mesh in its own units; what its file needs is mended as by `geoweave.read_mesh`.
+
+    See `geoweave.models.load` for the same at bounding radius 1.
 
     Raises
     ------
     DataError
         As `fetch`.
+
+    Examples
+    --------
+    >>> gw.datasets.load("spot").n_faces
+    6000
     """
     path = fetch(name)
     if path.suffix == ".npz":
@@ -199,6 +235,7 @@ def load(name: str) -> TriMesh:
 
 
 def _cache() -> Path:
+    """The folder that fetched meshes are kept in."""
     import pooch  # takes a tenth of a second, and embedded meshes do without
 
     return Path(pooch.os_cache("geoweave"))
@@ -218,6 +255,7 @@ def _places(entry: Dataset) -> list[Path]:
 
 
 def _intact(path: Path, entry: Dataset) -> bool:
+    """Whether there is a file at a path, with the sha256 of the registry."""
     try:
         return hashlib.sha256(path.read_bytes()).hexdigest() == entry.sha256
     except FileNotFoundError:
@@ -227,6 +265,7 @@ def _intact(path: Path, entry: Dataset) -> bool:
 
 
 def _download(entry: Dataset, url: str) -> Path:
+    """Fetch a mesh into the cache."""
     import pooch
 
     # Pooch writes to a temporary file, checks it, and only then gives it its name.

@@ -1,7 +1,7 @@
-"""Procedural surfaces that are level sets: Schwarz-P, surfaces of any genus, stand-ins for scans.
+"""Surfaces where a function vanishes: Schwarz-P, surfaces of any genus, stand-ins for scans.
 
-A level set is first triangulated on a grid (marching cubes), then remeshed evenly, and its vertices are put
-onto the level set by Newton steps along the gradient.
+A level set is triangulated on a grid by marching cubes, then remeshed evenly. Newton steps along the gradient
+then put its vertices onto the level set.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from skimage.measure import marching_cubes
 
 from geoweave.arrays import Scalars, Triangles, Vectors
 from geoweave.errors import MeshError
@@ -19,29 +18,68 @@ from geoweave.surface import TriMesh
 Level = Callable[[Vectors], Scalars]
 """A function of points (..., 3), negative inside."""
 
+FEWEST_CELLS = 8
+"""Cells of the grid along the shortest side of a box, at least."""
+
+CLEAR_OF_ZERO = 1e-3
+"""Least size of a value at a grid point, as a share of the mean size over the cells along the longest side.
+
+A value of zero would put a degenerate triangle there. Newton's steps undo the shift.
+"""
+
+NEWTON_STEPS = 4
+"""Steps that take a vertex onto the level set; each squares its relative distance from it."""
+
+ON_A_SIDE = 1e-7
+"""A vertex closer than this share of the box to one of its sides lies on that side."""
+
+DETAIL = 1e-3
+"""Length, as a share of the longest side of the box, on which a level function is nearly linear."""
+
+DIFFERENCE = 1e-3
+"""Step of the central differences, as a share of such a length."""
+
+WELD = 1e-7
+"""Mirrored vertices closer than this share of a surface's size are one vertex."""
+
 
 def level_set(
     level: Level, lower: Sequence[float], upper: Sequence[float], faces: int, *, resolution: int = 64
 ) -> TriMesh:
-    """Triangulate the surface where a function vanishes, inside a box; where it meets the box it is cut.
+    """Triangulate the part of the surface ``level(x) = 0`` that lies inside a box.
+
+    Where the surface crosses a side of the box it is cut open.
 
     Parameters
     ----------
     level : smooth function of points (..., 3), negative inside
     lower, upper : opposite corners of the box
     faces : wanted number of faces, reached to about 5 %
-    resolution : cells of the grid along the longest side; it must resolve the topology
+    resolution : cells of the grid along the longest side; narrow necks need more of them
 
     Returns
     -------
-    TriMesh whose vertices lie on the level set, those of the boundary on the sides of the box too
+    TriMesh whose vertices lie on the level set, those of its boundary also on the sides of the box
+
+    Raises
+    ------
+    MeshError
+        If so few faces cannot keep the topology of the surface.
+
+    Examples
+    --------
+    >>> from geoweave.models.implicit import level_set
+    >>> ball = level_set(lambda x: np.linalg.norm(x, axis=-1) - 1, [-1.2] * 3, [1.2] * 3, 500, resolution=16)
+    >>> bool(np.allclose(np.linalg.norm(ball.vertices, axis=1), 1.0))
+    True
     """
+    from skimage.measure import marching_cubes  # takes a third of a second to load
+
     low, high = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
-    cells = np.maximum(8, np.round(resolution * (high - low) / (high - low).max()).astype(int))
+    cells = np.maximum(FEWEST_CELLS, np.round(resolution * (high - low) / (high - low).max()).astype(int))
     axes = [np.linspace(a, b, n + 1) for a, b, n in zip(low, high, cells, strict=True)]
     values = level(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1))
-    # A value of zero at a grid point makes degenerate triangles; so little is not seen after Newton's steps.
-    least = 1e-3 * np.abs(values).mean() / resolution
+    least = CLEAR_OF_ZERO * np.abs(values).mean() / resolution
     values = np.where(np.abs(values) < least, least, values)
     points, triangles, _, _ = marching_cubes(values, 0.0)
     coarse = _oriented(
@@ -61,19 +99,21 @@ def _oriented(points: Vectors, triangles: Triangles, level: Level) -> TriMesh:
 def _settled(points: Vectors, level: Level, low: Vectors, high: Vectors) -> Vectors:
     """Put points onto the level set by Newton steps; points on a side of the box stay on it."""
     size = float((high - low).max())
-    held_low, held_high = np.abs(points - low) < 1e-7 * size, np.abs(points - high) < 1e-7 * size
+    held_low, held_high = np.abs(points - low) < ON_A_SIDE * size, np.abs(points - high) < ON_A_SIDE * size
     points = np.where(held_low, low, np.where(held_high, high, points))
-    for _ in range(4):
-        slope = np.where(held_low | held_high, 0.0, _gradient(level, points, 1e-3 * size))
+    for _ in range(NEWTON_STEPS):
+        slope = np.where(held_low | held_high, 0.0, _gradient(level, points, DETAIL * size))
         square = np.einsum("px,px->p", slope, slope)
         points = points - (level(points) / np.where(square > 0, square, 1.0))[:, None] * slope
     return points
 
 
-def _gradient(level: Level, points: Vectors, step: float) -> Vectors:
-    """Central differences."""
-    shifts = 1e-3 * step * np.eye(3)
-    return np.stack([(level(points + s) - level(points - s)) / (2e-3 * step) for s in shifts], axis=-1)
+def _gradient(level: Level, points: Vectors, length: float) -> Vectors:
+    """(..., 3) gradient at points by central differences; the function is nearly linear over `length`."""
+    shifts = DIFFERENCE * length * np.eye(3)
+    return np.stack(
+        [(level(points + s) - level(points - s)) / (2.0 * DIFFERENCE * length) for s in shifts], axis=-1
+    )
 
 
 def schwarz_p(cells: int = 2, faces: int = 6_800) -> TriMesh:
@@ -81,6 +121,22 @@ def schwarz_p(cells: int = 2, faces: int = 6_800) -> TriMesh:
 
     Each side of the block is pierced by ``cells^2`` tunnels: with two cells, genus 5 and 24 boundary loops,
     the surface of Fig. 8. The block has side ``2 pi cells`` and is centred at the origin.
+
+    Parameters
+    ----------
+    cells : along each side of the block, 1 or more
+    faces : wanted number, reached to about 5 %
+
+    Raises
+    ------
+    MeshError
+        If there is no cell, or so few faces cannot keep the topology.
+
+    Examples
+    --------
+    >>> cell = gw.shapes.schwarz_p(cells=1, faces=800)
+    >>> cell.genus, len(cell.boundary_loops)
+    (0, 6)
     """
     if cells < 1:
         raise MeshError(f"Schwarz-P needs at least one cell, not {cells}")
@@ -89,7 +145,7 @@ def schwarz_p(cells: int = 2, faces: int = 6_800) -> TriMesh:
     def level(x: Vectors) -> Scalars:
         return np.cos(x).sum(axis=-1)
 
-    # One eighth of a cell, mirrored: the mesh has the symmetries of the surface.
+    # One eighth of a cell is meshed and mirrored, so that the mesh has the symmetries of the surface.
     patch = level_set(level, [0.0] * 3, [np.pi] * 3, part, resolution=24)
     points, triangles = patch.vertices, patch.faces
     for axis in range(3):
@@ -103,13 +159,29 @@ def schwarz_p(cells: int = 2, faces: int = 6_800) -> TriMesh:
 
 def _welded(points: Vectors, triangles: Triangles) -> TriMesh:
     """Join copies of a patch along their mirrors, where points coincide to rounding."""
-    grid = np.round(points / (1e-7 * np.ptp(points))).astype(np.int64)
+    grid = np.round(points / (WELD * np.ptp(points))).astype(np.int64)
     _, first, number = np.unique(grid, axis=0, return_index=True, return_inverse=True)
     return TriMesh(points[first], number.reshape(-1)[triangles])
 
 
 def genus_g(genus: int, faces: int = 6_000) -> TriMesh:
-    """Build a closed surface of the given genus: that many smooth rings in a chain, a ball for genus 0."""
+    """Build a closed surface of the given genus: that many smooth rings in a chain, a ball for genus 0.
+
+    Parameters
+    ----------
+    genus : number of rings, not negative
+    faces : wanted number, reached to about 5 %
+
+    Raises
+    ------
+    MeshError
+        If the genus is negative, or so few faces cannot keep the topology.
+
+    Examples
+    --------
+    >>> gw.shapes.genus_g(2, faces=600).genus
+    2
+    """
     if genus < 0:
         raise MeshError(f"a genus cannot be negative: {genus}")
     centers = 2.3 * (np.arange(max(genus, 1)) - 0.5 * (max(genus, 1) - 1))
@@ -131,8 +203,22 @@ def genus_g(genus: int, faces: int = 6_000) -> TriMesh:
 def rocker_arm(faces: int = 8_000) -> TriMesh:
     """Build a rocker arm as in an engine: a bored boss, two arms, a pad and a rounded tip; genus 1.
 
-    It stands in for the scanned Rocker Arm of Fig. 8 where that is not at hand: the same genus, the same play
-    of flat, round and saddle-shaped regions, no other likeness.
+    It stands in for the scanned Rocker Arm of Fig. 8 where that is not on this machine. It has the same genus
+    and flat, round and saddle-shaped regions too; the likeness ends there.
+
+    Parameters
+    ----------
+    faces : wanted number, reached to about 5 %
+
+    Raises
+    ------
+    MeshError
+        If so few faces cannot keep the topology.
+
+    Examples
+    --------
+    >>> gw.shapes.rocker_arm(faces=800).genus
+    1
     """
 
     def level(x: Vectors) -> Scalars:
@@ -152,7 +238,23 @@ def rocker_arm(faces: int = 8_000) -> TriMesh:
 
 
 def bumpy_box(faces: int = 8_000) -> TriMesh:
-    """Build a rounded box with a bump in the middle of each side: a stand-in for the bumpy box of Fig. 19."""
+    """Build a rounded box with a bump in the middle of each side: a stand-in for the bumpy box of Fig. 19.
+
+    Parameters
+    ----------
+    faces : wanted number, reached to about 5 %
+
+    Raises
+    ------
+    MeshError
+        If so few faces cannot keep the topology.
+
+    Examples
+    --------
+    >>> box = gw.shapes.bumpy_box(faces=600)
+    >>> box.genus, box.boundary_loops
+    (0, ())
+    """
 
     def level(x: Vectors) -> Scalars:
         solid = _box(x, [0.0, 0.0, 0.0], [1.0, 1.0, 1.0], 0.35)
@@ -169,8 +271,22 @@ def bumpy_box(faces: int = 8_000) -> TriMesh:
 def vessel(faces: int = 8_000) -> TriMesh:
     """Build a blood vessel that branches in two, with an aneurysm at the fork; three open ends.
 
-    It stands in for the scan of Fig. 18: a sac of high curvature on tubes that are nearly flat, no other
-    likeness.
+    It stands in for the scan of Fig. 18: a sac of high curvature sits on tubes that are nearly flat. The
+    likeness ends there.
+
+    Parameters
+    ----------
+    faces : wanted number, reached to about 5 %
+
+    Raises
+    ------
+    MeshError
+        If so few faces cannot keep the topology.
+
+    Examples
+    --------
+    >>> len(gw.shapes.vessel(faces=800).boundary_loops)
+    3
     """
 
     def level(x: Vectors) -> Scalars:
@@ -195,10 +311,20 @@ def crown(prongs: int = 9, faces: int = 12_000) -> TriMesh:
 
     A stand-in for the crowning droplet of Fig. 22, which needs more singularities than a weave can take.
 
+    Parameters
+    ----------
+    prongs : 3 to 16; more of them would touch
+    faces : wanted number, reached to about 5 %
+
     Raises
     ------
     MeshError
-        If there are fewer than three prongs or more than sixteen, which would touch.
+        If the number of prongs is out of range, or so few faces cannot keep the topology.
+
+    Examples
+    --------
+    >>> gw.shapes.crown(prongs=5, faces=2_000).euler_characteristic
+    2
     """
     if not 3 <= prongs <= 16:
         raise MeshError(f"a crown has 3 to 16 prongs, not {prongs}")
@@ -221,13 +347,13 @@ def crown(prongs: int = 9, faces: int = 12_000) -> TriMesh:
 
 
 def _joined(a: Scalars, b: Scalars, blend: float) -> Scalars:
-    """Union of two solids with a fillet of about the given radius (a smooth minimum)."""
+    """Unite two solids with a fillet of about the radius `blend`: a smooth minimum of their distances."""
     overlap = np.maximum(blend - np.abs(a - b), 0.0) / blend
     return np.minimum(a, b) - overlap**3 * blend / 6.0
 
 
 def _capsule(x: Vectors, start: Sequence[float], end: Sequence[float], first: float, last: float) -> Scalars:
-    """Distance to a rod between two points, its radius changing from first to last."""
+    """(...,) distance to a rod between two points, whose radius grows evenly from `first` to `last`."""
     a, b = np.asarray(start), np.asarray(end)
     share = np.clip(((x - a) @ (b - a)) / ((b - a) @ (b - a)), 0.0, 1.0)
     return np.linalg.norm(x - a - share[..., None] * (b - a), axis=-1) - (first + share * (last - first))
@@ -236,7 +362,7 @@ def _capsule(x: Vectors, start: Sequence[float], end: Sequence[float], first: fl
 def _cylinder(
     x: Vectors, center: Sequence[float], axis: int, *, radius: float, half: float, round_: float
 ) -> Scalars:
-    """Distance to a cylinder along a coordinate axis, its rims rounded."""
+    """(...,) distance to a cylinder along a coordinate axis; `half` is its half length."""
     local = x - np.asarray(center)
     across = np.linalg.norm(np.delete(local, axis, axis=-1), axis=-1) - radius + round_
     along = np.abs(local[..., axis]) - half + round_
@@ -245,7 +371,7 @@ def _cylinder(
 
 
 def _box(x: Vectors, center: Sequence[float], half: Sequence[float], round_: float) -> Scalars:
-    """Distance to a box with rounded edges."""
+    """(...,) distance to a box with rounded edges; `half` holds half its three sides."""
     gap = np.abs(x - np.asarray(center)) - np.asarray(half) + round_
     outside = np.linalg.norm(np.maximum(gap, 0.0), axis=-1)
     return outside + np.minimum(gap.max(axis=-1), 0.0) - round_

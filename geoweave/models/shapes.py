@@ -1,15 +1,16 @@
-"""Procedural surfaces with known answers, one for every kind of topology the paper treats.
+"""Surfaces made by formulas, one for every kind of topology the paper treats.
 
-Flat and round surfaces are laid out in rows of nearly equilateral triangles; the rest are level sets
-(`geoweave.models.implicit`). None needs a file or a random number.
+Flat and round surfaces are made of rows of nearly equilateral triangles. The others are level sets
+(`geoweave.models.implicit`). None needs a file or a random number. Lengths have no unit.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from geoweave.arrays import Indices, Scalars, Triangles, Vectors
+from geoweave.arrays import Indices, Scalars, Triangles
 from geoweave.errors import MeshError
+from geoweave.models.icosahedral import cut_icosahedron
 from geoweave.models.implicit import bumpy_box, crown, genus_g, rocker_arm, schwarz_p, vessel
 from geoweave.surface import TriMesh
 
@@ -31,7 +32,6 @@ __all__ = [
     "vessel",
 ]
 
-_GOLDEN = 0.5 * (1.0 + np.sqrt(5.0))
 _ROW = np.sqrt(3.0) / 2.0
 """Height of an equilateral triangle of side one."""
 
@@ -41,31 +41,21 @@ def icosahedron(faces: int = 20) -> TriMesh:
 
     Parameters
     ----------
-    faces : wanted number; each flat side is cut into n^2 triangles, the nearest 20 n^2 is taken
+    faces : wanted number; each of the 20 sides is cut into n^2 triangles, with 20 n^2 nearest to it
 
     Raises
     ------
     MeshError
         If fewer than 20 faces are asked for.
+
+    Examples
+    --------
+    >>> gw.shapes.icosahedron(80).n_faces
+    80
     """
     _at_least(faces, 20)
-    points, triangles = _icosahedral(max(1, round(np.sqrt(faces / 20))))
+    points, triangles = cut_icosahedron(max(1, round(np.sqrt(faces / 20))))
     return TriMesh(points, triangles)
-
-
-def _icosahedron() -> tuple[Vectors, Triangles]:
-    corners = [(0.0, s, t * _GOLDEN) for s in (-1, 1) for t in (-1, 1)]
-    vertices = np.array([np.roll(corner, turn) for turn in range(3) for corner in corners])
-    side = np.linalg.norm(vertices[:, None] - vertices[None], axis=2)
-    near = np.isclose(side, 2.0)
-    a, b, c = np.nonzero(near[:, :, None] & near[:, None, :] & near[None, :, :])
-    faces = np.stack([a, b, c], axis=1)[(a < b) & (b < c)]
-    normal = np.cross(
-        vertices[faces[:, 1]] - vertices[faces[:, 0]], vertices[faces[:, 2]] - vertices[faces[:, 0]]
-    )
-    inward = np.einsum("fx,fx->f", normal, vertices[faces[:, 0]]) < 0
-    faces[inward] = faces[inward][:, [0, 2, 1]]
-    return vertices / np.hypot(1.0, _GOLDEN), faces
 
 
 def sphere(faces: int = 20_480, *, subdivisions: int | None = None) -> TriMesh:
@@ -80,57 +70,43 @@ def sphere(faces: int = 20_480, *, subdivisions: int | None = None) -> TriMesh:
     ------
     MeshError
         If fewer than 20 faces are asked for.
+
+    Examples
+    --------
+    >>> ball = gw.shapes.sphere(faces=2_000)
+    >>> bool(abs(ball.face_areas.sum() / (4 * np.pi) - 1) < 0.01)
+    True
     """
     _at_least(faces, 20)
     n = 2**subdivisions if subdivisions is not None else max(1, round(np.sqrt(faces / 20)))
-    points, triangles = _icosahedral(n, bent=True)
+    points, triangles = cut_icosahedron(n, bent=True)
     return TriMesh(points / np.linalg.norm(points, axis=1, keepdims=True), triangles)
-
-
-def _icosahedral(n: int, *, bent: bool = False) -> tuple[Vectors, Triangles]:
-    """The icosahedron with each edge cut into n parts: evenly, or as suits a projection to the sphere."""
-    corners, sides = _icosahedron()
-    # Barycentric grid on each face of the icosahedron; points on shared edges are welded below.
-    i, j = np.nonzero(np.add.outer(np.arange(n + 1), np.arange(n + 1)) <= n)
-    weights = np.stack([n - i - j, i, j], axis=1)
-    number = np.full((n + 2, n + 2), -1)
-    number[i, j] = np.arange(len(i))
-    up = np.stack([number[i, j], number[i + 1, j], number[i, j + 1]], axis=1)
-    down = np.stack([number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]], axis=1)
-    local = np.concatenate([up, down])
-    local = local[(local >= 0).all(axis=1)]
-    # A point is named by its corners and weights, the same from either side of an edge.
-    present = np.broadcast_to(weights, (20, *weights.shape)) > 0
-    name = np.where(present, sides[:, None, :] * (n + 1) + weights, -1)
-    name = np.sort(name.reshape(-1, 3), axis=1)
-    key = (name[:, 0] + 1) * (13 * (n + 1)) ** 2 + (name[:, 1] + 1) * 13 * (n + 1) + name[:, 2]
-    _, first, welded = np.unique(key, return_index=True, return_inverse=True)
-    share = _bent(weights / n) if bent else weights / n
-    points = np.einsum("pc,fcx->fpx", share, corners[sides]).reshape(-1, 3)[first]
-    triangles = (local[None] + len(weights) * np.arange(20)[:, None, None]).reshape(-1, 3)
-    return points, welded.reshape(-1)[triangles]
-
-
-def _bent(weights: Vectors) -> Vectors:
-    """Barycentric weights such that the triangles come out more even after projection to the sphere."""
-    # Equal angles instead of equal lengths along an edge, as in a slerp; corners are 63.4 degrees apart.
-    angle = np.arccos(1.0 / np.sqrt(5.0))
-    return np.sin(weights * angle) / np.sin(angle)
 
 
 def torus(major: float = 1.0, minor: float = 0.4, faces: int = 6_000) -> TriMesh:
     """Build the torus of tube radius `minor` around a circle of radius `major` in the plane z = 0.
 
+    Parameters
+    ----------
+    major, minor : radius of the circle and of the tube
+    faces : wanted number, reached to a few per cent
+
     Raises
     ------
     MeshError
-        If not 0 < minor < major, or too few faces are asked for.
+        If not 0 < minor < major, or fewer than 60 faces are asked for.
+
+    Examples
+    --------
+    >>> torus = gw.shapes.torus(major=1.0, minor=0.4, faces=400)
+    >>> torus.genus, torus.boundary_loops
+    (1, ())
     """
     if not 0 < minor < major:
         raise MeshError(f"a torus needs 0 < minor < major, not minor = {minor} and major = {major}")
     _at_least(faces, 60)
     around, rows = _grid(2 * np.pi * major, 2 * np.pi * minor, faces)
-    rows += rows % 2  # staggered rows close up after an even number
+    rows += rows % 2  # every second row is shifted by half a step, so only an even number closes up
     u, v = _staggered(around, rows, closed=True)
     ring = major + minor * np.cos(2 * np.pi * v)
     points = np.stack(
@@ -140,7 +116,23 @@ def torus(major: float = 1.0, minor: float = 0.4, faces: int = 6_000) -> TriMesh
 
 
 def cylinder(radius: float = 1.0, height: float = 2.0, faces: int = 4_000) -> TriMesh:
-    """Build the open cylinder about the z axis between z = -height / 2 and height / 2."""
+    """Build the open cylinder about the z axis between z = -height / 2 and height / 2.
+
+    Parameters
+    ----------
+    radius, height : of the cylinder
+    faces : wanted number, reached to a few per cent
+
+    Raises
+    ------
+    MeshError
+        If fewer than 12 faces are asked for.
+
+    Examples
+    --------
+    >>> len(gw.shapes.cylinder(faces=400).boundary_loops)
+    2
+    """
     _at_least(faces, 12)
     around, rows = _grid(2 * np.pi * radius, height, faces)
     u, v = _staggered(around, rows, closed=False)
@@ -153,10 +145,21 @@ def cylinder(radius: float = 1.0, height: float = 2.0, faces: int = 4_000) -> Tr
 def annulus(inner: float = 0.4, outer: float = 1.0, faces: int = 4_000) -> TriMesh:
     """Build the flat ring between two radii in the plane z = 0; triangles grow outwards with the radius.
 
+    Parameters
+    ----------
+    inner, outer : radii of the two boundary circles
+    faces : wanted number, reached to a few per cent
+
     Raises
     ------
     MeshError
-        If not 0 < inner < outer, or too few faces are asked for.
+        If not 0 < inner < outer, or fewer than 12 faces are asked for.
+
+    Examples
+    --------
+    >>> ring = gw.shapes.annulus(inner=0.5, outer=1.0, faces=2_000)
+    >>> bool(abs(ring.face_areas.sum() / (0.75 * np.pi) - 1) < 0.01)
+    True
     """
     if not 0 < inner < outer:
         raise MeshError(f"an annulus needs 0 < inner < outer, not inner = {inner} and outer = {outer}")
@@ -170,9 +173,25 @@ def annulus(inner: float = 0.4, outer: float = 1.0, faces: int = 4_000) -> TriMe
 
 
 def disk(faces: int = 4_000) -> TriMesh:
-    """Build the flat unit disk in the plane z = 0 from n rings of triangles round its centre, 6 n^2 faces."""
+    """Build the flat unit disk in the plane z = 0 from n rings of triangles round its centre.
+
+    Parameters
+    ----------
+    faces : wanted number; the nearest 6 n^2 is taken
+
+    Raises
+    ------
+    MeshError
+        If fewer than 6 faces are asked for.
+
+    Examples
+    --------
+    >>> gw.shapes.disk(faces=600).euler_characteristic
+    1
+    """
     _at_least(faces, 6)
     n = max(1, round(np.sqrt(faces / 6)))
+    # A hexagon of triangles; (q, r) counts steps from the middle along two of its three directions.
     q, r = np.meshgrid(np.arange(-n, n + 1), np.arange(-n, n + 1), indexing="ij")
     inside = np.abs(q + r) <= n
     number = np.full((2 * n + 2, 2 * n + 2), -1)
@@ -183,7 +202,7 @@ def disk(faces: int = 4_000) -> TriMesh:
     faces_ = np.concatenate([up.reshape(-1, 3), down.reshape(-1, 3)])
     q, r = q[inside], r[inside]
     ring = np.maximum(np.maximum(np.abs(q), np.abs(r)), np.abs(q + r))
-    # Hexagonal rings become circles: the place along a ring's side becomes an angle.
+    # Hexagonal rings become circles: a share of a side becomes that share of 60 degrees.
     x, y = q + 0.5 * r, _ROW * r
     sextant = np.floor(np.arctan2(y, x) / (np.pi / 3) + 1e-9)
     turn = np.exp(-1j * sextant * np.pi / 3) * (x + 1j * y)
@@ -202,17 +221,23 @@ def cone(half_angle: float = 60.0, faces: int = 4_000) -> TriMesh:
     Parameters
     ----------
     half_angle : between the axis and the side, degrees, above 10 and below 90
-    faces : wanted number
+    faces : wanted number, reached to a few per cent
 
     Raises
     ------
     MeshError
         If the angle is out of range or too few faces are asked for.
+
+    Examples
+    --------
+    >>> cone = gw.shapes.cone(half_angle=60.0, faces=500)
+    >>> len(cone.boundary_loops), round(float(cone.vertices[:, 2].min()), 9)
+    (1, -0.5)
     """
     if not 10.0 < half_angle < 90.0:
         raise MeshError(f"the half angle of a cone lies between 10 and 90 degrees, not at {half_angle}")
     slope = np.radians(half_angle)
-    # Sectors of nearly equilateral triangles; ring r holds r points of each.
+    # The cone is cut into sectors of nearly equilateral triangles; ring r has r points in each sector.
     sectors = max(3, round(6.0 * np.sin(slope)))
     _at_least(faces, sectors)
     n = max(1, round(np.sqrt(faces / sectors)))
@@ -241,10 +266,20 @@ def cone(half_angle: float = 60.0, faces: int = 4_000) -> TriMesh:
 def saddle(depth: float = 0.5, faces: int = 4_000) -> TriMesh:
     """Build the saddle ``z = depth (x^2 - y^2)`` over the unit disk, negatively curved everywhere.
 
+    Parameters
+    ----------
+    depth : height of the highest point, above 0 and at most 1; beyond, triangles would become thin
+    faces : wanted number; the nearest 6 n^2 is taken
+
     Raises
     ------
     MeshError
-        If the depth is not between 0 and 1, where triangles would become thin.
+        If the depth is out of range, or fewer than 6 faces are asked for.
+
+    Examples
+    --------
+    >>> float(gw.shapes.saddle(depth=0.5, faces=600).vertices[:, 2].max())
+    0.5
     """
     if not 0.0 < depth <= 1.0:
         raise MeshError(f"the depth of a saddle lies between 0 and 1, not at {depth}")
@@ -254,7 +289,22 @@ def saddle(depth: float = 0.5, faces: int = 4_000) -> TriMesh:
 
 
 def square(faces: int = 4_000) -> TriMesh:
-    """Build the flat square [-1, 1]^2 in the plane z = 0, with alternating diagonals."""
+    """Build the flat square [-1, 1]^2 in the plane z = 0, the diagonals of its cells alternating.
+
+    Parameters
+    ----------
+    faces : wanted number; the nearest 8 n^2 is taken
+
+    Raises
+    ------
+    MeshError
+        If fewer than 8 faces are asked for.
+
+    Examples
+    --------
+    >>> float(gw.shapes.square(faces=512).face_areas.sum())
+    4.0
+    """
     _at_least(faces, 8)
     n = 2 * max(1, round(np.sqrt(faces / 8)))
     x, y = np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1), indexing="ij")
@@ -268,26 +318,27 @@ def square(faces: int = 4_000) -> TriMesh:
 
 
 def _at_least(faces: int, least: int) -> None:
+    """Refuse a number of faces that a surface cannot be made of."""
     if faces < least:
         raise MeshError(f"this surface cannot have {faces} faces: ask for at least {least}")
 
 
 def _grid(around: float, across: float, faces: int) -> tuple[int, int]:
-    """Points around and rows across of a band with nearly equilateral triangles."""
+    """How many points around and rows across give a band of two given lengths even triangles."""
     side = np.sqrt(around * across / (faces * 0.5 * _ROW))
     columns = max(3, round(around / side))
     return columns, max(1, round(faces / (2 * columns)))
 
 
 def _staggered(around: int, rows: int, *, closed: bool) -> tuple[Scalars, Scalars]:
-    """Parameters in [0, 1] of a band's points: u around, shifted by half a step each row, and v across."""
+    """Parameters in [0, 1] of a band's points: u around, odd rows shifted by half a step; v across."""
     lines = rows if closed else rows + 1
     row, column = np.divmod(np.arange(lines * around), around)
     return (column + 0.5 * (row % 2)) / around, row / rows
 
 
 def _band(around: int, rows: int, *, closed: bool) -> Triangles:
-    """Triangles between the rows of a staggered band, counter-clockwise for u to the right, v upwards."""
+    """(2 around rows, 3) triangles of a band; counter-clockwise where u grows to the right and v upwards."""
     row, column = np.divmod(np.arange(rows * around), around)
     above = (row + 1) % rows if closed else row + 1
     shift = row % 2
