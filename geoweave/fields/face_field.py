@@ -84,7 +84,7 @@ def edge_curl(field: FaceField) -> Scalars:
     mesh = field.mesh
     projected = (field.values[:, None].conj() * mesh.halfedge_vectors).real.ravel()
     along, against = mesh.edge_halfedges[mesh.interior_edges].T
-    return -(projected[along] + mesh.edge_signs * projected[against])
+    return -(projected[along] + mesh.bundle.over_edges * projected[against])
 
 
 def integrated_curl(field: FaceField) -> Scalars:
@@ -97,7 +97,7 @@ def integrated_curl(field: FaceField) -> Scalars:
     mesh = field.mesh
     jump = edge_curl(field)
     sides = mesh.edge_faces[mesh.interior_edges]
-    seen = np.stack([jump, mesh.edge_signs * jump], axis=1)
+    seen = np.stack([jump, mesh.bundle.over_edges * jump], axis=1)
     both = np.bincount(sides.ravel(), weights=seen.ravel(), minlength=mesh.n_faces)
     return np.asarray(both, dtype=np.float64)
 

@@ -14,7 +14,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
-from geoweave.surface import TriMesh, gauge
+from geoweave.surface import TriMesh
 
 
 def as_real(values: Complexes) -> Scalars:
@@ -43,7 +43,7 @@ def curl(mesh: TriMesh) -> sparse.csr_array:
     rows = np.repeat(np.arange(count), 4)
     columns = (2 * (sides // 3)[:, :, None] + np.arange(2)).ravel()
     # Along the edge for face i, against it for face j: both half-edges enter with the same sign.
-    vectors = vectors * np.stack([np.ones(count), mesh.edge_signs], axis=1)
+    vectors = vectors * np.stack([np.ones(count), mesh.bundle.over_edges], axis=1)
     entries = -np.stack([vectors.real, vectors.imag], axis=2).ravel()
     return sparse.csr_array((entries, (rows, columns)), shape=(count, 2 * mesh.n_faces))
 
@@ -57,7 +57,7 @@ def sharp(mesh: TriMesh) -> sparse.csr_array:
     # With omega summing to zero, v = (1 / 6A) J sum_k (omega_{k+1} - omega_{k+2}) h_k, J a quarter turn.
     h = mesh.halfedge_vectors
     weights = 1j * (h[:, [2, 0, 1]] - h[:, [1, 2, 0]]) / (6.0 * mesh.face_areas[:, None])
-    weights = weights * mesh.form_signs
+    weights = weights * mesh.bundle.forms
     rows = np.broadcast_to(np.arange(2 * mesh.n_faces).reshape(-1, 1, 2), (mesh.n_faces, 3, 2)).ravel()
     columns = np.repeat(mesh.face_edges.ravel(), 2)
     entries = np.stack([weights.real, weights.imag], axis=2).ravel()
@@ -67,14 +67,14 @@ def sharp(mesh: TriMesh) -> sparse.csr_array:
 def differences(mesh: TriMesh) -> sparse.csr_array:
     """The exterior derivative d of vertex functions, (E, V): end less start of each edge."""
     rows = np.repeat(np.arange(mesh.n_edges), 2)
-    entries = (mesh.end_signs * [-1.0, 1.0]).ravel()
+    entries = (mesh.bundle.ends * [-1.0, 1.0]).ravel()
     return sparse.csr_array((entries, (rows, mesh.edges.ravel())), shape=(mesh.n_edges, mesh.n_vertices))
 
 
 def gradient(mesh: TriMesh) -> sparse.csr_array:
     """Gradient G of piecewise linear functions, (2F, V): exact on linear functions; unit: 1 / length."""
     # grad f = sum_k f_k J h_k / 2A, with h_k the half-edge opposite corner k, J a quarter turn.
-    weights = 1j * mesh.halfedge_vectors * mesh.corner_signs / (2.0 * mesh.face_areas[:, None])
+    weights = 1j * mesh.halfedge_vectors * mesh.bundle.corners / (2.0 * mesh.face_areas[:, None])
     rows = np.broadcast_to(np.arange(2 * mesh.n_faces).reshape(-1, 1, 2), (mesh.n_faces, 3, 2)).ravel()
     entries = np.stack([weights.real, weights.imag], axis=2).ravel()
     return sparse.csr_array(
@@ -171,7 +171,7 @@ def harmonic_generators(mesh: TriMesh) -> sparse.csc_array:
     count = len(generators)
 
     over = np.ones(n_edges)
-    over[mesh.interior_edges] = mesh.edge_signs
+    over[mesh.interior_edges] = mesh.bundle.over_edges
 
     rows, columns, entries = [generators], [np.arange(count)], [np.ones(count)]
     for start, imbalance in ((i[generators], np.ones(count)), (across[generators], -over[generators])):
@@ -192,7 +192,7 @@ def harmonic_generators(mesh: TriMesh) -> sparse.csc_array:
     ).tocsc()
     forms.sum_duplicates()
     forms.eliminate_zeros()
-    return _independent(mesh, forms, generators, in_tree) if mesh.twisted_components.any() else forms
+    return _independent(mesh, forms, generators, in_tree) if mesh.bundle.twisted_components.any() else forms
 
 
 def _independent(
@@ -206,14 +206,15 @@ def _independent(
     """
     component = mesh.face_components[mesh.edge_faces[generators, 0]]
     unbalanced = (
-        mesh.end_signs.prod(axis=1) * gauge(mesh, np.flatnonzero(in_tree))[mesh.edges].prod(axis=1) < 0
+        mesh.bundle.ends.prod(axis=1) * mesh.bundle.gauge(np.flatnonzero(in_tree))[mesh.edges].prod(axis=1)
+        < 0
     )
     dropped = np.zeros(len(generators), dtype=bool)
     wrong = np.flatnonzero(unbalanced[generators])
     dropped[wrong[np.unique(component[wrong], return_index=True)[1]]] = True
     around = sparse.csr_array(
         (
-            mesh.form_signs.ravel(),
+            mesh.bundle.forms.ravel(),
             (np.repeat(np.arange(mesh.n_faces), 3), mesh.face_edges.ravel()),
         ),
         shape=(mesh.n_faces, mesh.n_edges),
@@ -291,7 +292,7 @@ class ClosedFields:
     def free_vertices(self) -> Indices:
         """Vertices that are not pinned; one vertex of each component is, if constants are functions there."""
         pinned = np.unique(self.mesh.vertex_components, return_index=True)[1]
-        pinned = pinned[~self.mesh.twisted_components]
+        pinned = pinned[~self.mesh.bundle.twisted_components]
         return frozen(np.delete(np.arange(self.mesh.n_vertices), pinned))
 
     @cached_property

@@ -22,7 +22,7 @@ def wrapped(angle: Scalars) -> Scalars:
 
 def _between_ends(mesh: TriMesh, theta: Scalars) -> Scalars:
     """(E,) end less start of each edge, as its first face sees them."""
-    start, end = (theta[mesh.edges] * mesh.end_signs).T
+    start, end = (theta[mesh.edges] * mesh.bundle.ends).T
     return np.asarray(end - start)
 
 
@@ -87,7 +87,7 @@ class CircleFunction:
     @cached_property
     def corner_jumps(self) -> Scalars:
         """(F, 3) change along the edge opposite each corner, in the direction of the face's boundary."""
-        return frozen(self.jumps[self.mesh.face_edges] * self.mesh.form_signs)
+        return frozen(self.jumps[self.mesh.face_edges] * self.mesh.bundle.forms)
 
     @cached_property
     def dislocations(self) -> Indices:

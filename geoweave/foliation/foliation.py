@@ -245,6 +245,6 @@ def _first_factor(
 def edge_prediction(field: FaceField, s: Scalars) -> Scalars:
     """(E,) change of theta expected along each edge, ``s w-perp . e``, the mean of its faces', radians."""
     mesh = field.mesh
-    turn = s[:, None] * along_edges(field) * mesh.form_signs
+    turn = s[:, None] * along_edges(field) * mesh.bundle.forms
     total = np.bincount(mesh.face_edges.ravel(), turn.ravel(), mesh.n_edges)
     return np.asarray(total / np.bincount(mesh.face_edges.ravel(), minlength=mesh.n_edges))

@@ -80,14 +80,14 @@ class Alternation:
         self.slope = unit[:, None] * self.along
         self.weight = _cotangents(mesh) / unit[:, None] ** 2
         self.tail, self.head = mesh.faces[:, [1, 2, 0]].ravel(), mesh.faces[:, [2, 0, 1]].ravel()
-        self.tail_sign = mesh.corner_signs[:, [1, 2, 0]].ravel()
-        self.head_sign = mesh.corner_signs[:, [2, 0, 1]].ravel()
+        self.tail_sign = mesh.bundle.corners[:, [1, 2, 0]].ravel()
+        self.head_sign = mesh.bundle.corners[:, [2, 0, 1]].ravel()
         self.between = self.tail_sign * self.head_sign
         self.twisted = bool((self.between < 0).any())
         mass = np.repeat(mesh.face_areas / unit**2, 3) / 3.0
         self.mass = np.bincount(mesh.faces.ravel(), mass, mesh.n_vertices)
         self.component = mesh.vertex_components
-        self.free = mesh.betti_numbers == 0
+        self.free = mesh.bundle.betti_numbers == 0
         areas = mesh.face_areas / np.bincount(mesh.face_components, mesh.face_areas)[mesh.face_components]
         self.share_of_area = np.where(self.free[mesh.face_components], areas, 0.0)
         self.laplacian = face_laplacian(mesh)
@@ -118,7 +118,7 @@ class Alternation:
         """Root mean square change of theta, after the best constant on each component: 0 or pi if twisted."""
         turn = np.exp(1j * (after - before)) * self.mass
         mean = np.bincount(self.component, turn.real) + 1j * np.bincount(self.component, turn.imag)
-        mean = np.where(self.mesh.twisted_components, mean.real, mean)
+        mean = np.where(self.mesh.bundle.twisted_components, mean.real, mean)
         left = wrapped(after - before - np.angle(mean)[self.component])
         return float(np.sqrt(np.average(left**2, weights=self.mass)))
 
@@ -233,7 +233,7 @@ class Alternation:
         free = ((share > self.least * (1 + 1e-9)) | (in_share > 0)).astype(np.float64)
         off = -self.between * convex.ravel()
         mixed = convex * self.slope
-        at_corner = self.mesh.corner_signs * (mixed[:, [2, 0, 1]] - mixed[:, [1, 2, 0]])
+        at_corner = self.mesh.bundle.corners * (mixed[:, [2, 0, 1]] - mixed[:, [1, 2, 0]])
         cross = (free[:, None] * at_corner).ravel()
         i, j = self._pairs
         lower = self.smoothness * self.laplacian.data * free[i] * free[j]

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices
 from geoweave.errors import MeshError
+from geoweave.surface.components import connected_components
 from geoweave.surface.mesh import TriMesh
 
 
@@ -64,12 +63,9 @@ def part_of(mesh: TriMesh, keep: Flags) -> Part:
     faces = np.flatnonzero(keep)
     # Corners are joined where two kept faces share an edge; each group of joined corners is one vertex.
     inner = mesh.interior_edges[keep[mesh.edge_faces[mesh.interior_edges]].all(axis=1)]
-    along, against = mesh.edge_halfedges[inner].T
-    tail = (3 * (along // 3) + (along + 1) % 3, 3 * (against // 3) + (against + 2) % 3)
-    head = (3 * (along // 3) + (along + 2) % 3, 3 * (against // 3) + (against + 1) % 3)
-    pairs = np.concatenate([np.stack(tail), np.stack(head)], axis=1)
-    graph = sparse.coo_array((np.ones(pairs.shape[1], np.int8), tuple(pairs)), shape=(3 * mesh.n_faces,) * 2)
-    fan = csgraph.connected_components(graph, directed=False)[1].reshape(-1, 3)[faces]
+    here, there = mesh.corners_across(inner)
+    pairs = np.stack([here.ravel(), there.ravel()], axis=1)
+    fan = connected_components(pairs, 3 * mesh.n_faces).reshape(-1, 3)[faces]
     # Vertices stay in the order of the whole.
     old = mesh.faces[faces]
     key = old.ravel() * (int(fan.max()) + 1) + fan.ravel()

@@ -18,7 +18,7 @@ from geoweave.curves import Curves
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, RoSyField
 from geoweave.foliation import CircleFunction, Foliation
-from geoweave.surface import Part, TriMesh, TwistedMesh, part_of
+from geoweave.surface import Part, TriMesh, TwistedMesh, connected_components, part_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,18 +176,6 @@ class Quotient:
         """The lifted RoSy on the representatives."""
         return FaceField(self.mesh, self.cover.field.values[self.representatives])
 
-    def lifted_field(self, field: FaceField) -> FaceField:
-        """Take a field on the quotient to the cover: opposite vectors on antipodal faces.
-
-        Raises
-        ------
-        FieldError
-            If the field lies on another mesh.
-        """
-        if field.mesh is not self.mesh:
-            raise FieldError("the field does not lie on the mesh of the quotient that is to be lifted from")
-        return FaceField(self.cover.mesh, self.signs * field.values[self.faces])
-
     def lifted(self, foliation: Foliation) -> Foliation:
         """Take a foliation of the quotient to the cover: ``s`` as it is, ``theta`` odd.
 
@@ -207,7 +195,7 @@ class Quotient:
         face, sign = place[self.faces[part.faces]], self.signs[part.faces]
         field = FaceField(part.mesh, sign * foliation.field.values[face])
         theta = np.empty(part.mesh.n_vertices)
-        seen = foliation.circle.theta[below.mesh.faces] * below.mesh.corner_signs
+        seen = foliation.circle.theta[below.mesh.faces] * below.mesh.bundle.corners
         theta[part.mesh.faces] = sign[:, None] * seen[face]
         side = part.mesh.edge_halfedges[:, 0]
         jumps = sign[side // 3] * foliation.circle.corner_jumps[face[side // 3], side % 3]
@@ -284,19 +272,11 @@ def _matching_on(rosy: RoSyField, part: Part) -> Indices:
 def _glued(below: TriMesh, shift: Indices, degree: int) -> tuple[Triangles, Indices]:
     """Glue copies of the faces: the vertex at each corner, and the first corner of each vertex."""
     count = below.faces.size
-    along, against = below.edge_halfedges[below.interior_edges].T
-    # The ends of the shared side, seen from either face.
-    here = np.concatenate([_corner(along, 1), _corner(along, 2)])
-    there = np.concatenate([_corner(against, 2), _corner(against, 1)])
+    # The corners at both ends of the shared side, seen from either face.
+    here, there = (each.T.ravel() for each in below.corners_across(below.interior_edges))
     sheet = np.arange(degree)[:, None]
     target = (sheet + np.tile(shift, 2)) % degree
-    pairs = (sheet * count + here).ravel(), (target * count + there).ravel()
-    graph = sparse.coo_array((np.ones(len(pairs[0]), np.int8), pairs), shape=(degree * count,) * 2)
-    number = csgraph.connected_components(graph, directed=False)[1].astype(np.int64)
+    pairs = np.stack([(sheet * count + here).ravel(), (target * count + there).ravel()], axis=1)
+    number = connected_components(pairs, degree * count)
     _, first = np.unique(number, return_index=True)
     return number.reshape(-1, 3), first
-
-
-def _corner(halfedge: Indices, step: int) -> Indices:
-    """Corner that is so many steps on from the corner opposite a half-edge."""
-    return np.asarray(3 * (halfedge // 3) + (halfedge + step) % 3)

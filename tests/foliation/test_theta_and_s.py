@@ -103,7 +103,7 @@ def test_where_no_loop_has_a_period_the_mean_of_s_is_held() -> None:
         for _ in range(3):
             theta, s = steps.improve_both(theta, s)
             s = steps.improve_s(theta, s)
-        bettis.append(mesh.betti_numbers.tolist())
+        bettis.append(mesh.bundle.betti_numbers.tolist())
         held.append(np.average(s / steps.unit, weights=mesh.face_areas))
     assert bettis[0] == [0]
     assert bettis[1][0] > 0

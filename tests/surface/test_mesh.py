@@ -12,24 +12,6 @@ TETRAHEDRON = (
     np.array([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]]),
 )
 
-GENUS_AND_LOOPS = {
-    "sphere": (0, 0),
-    "torus": (1, 0),
-    "genus 5": (5, 0),
-    "disk": (0, 1),
-    "annulus": (0, 2),
-    "cylinder": (0, 2),
-    "Schwarz-P": (5, 24),
-    "two pieces": (1, 1),
-}
-
-
-@pytest.mark.parametrize("name", GENUS_AND_LOOPS)
-def test_topology(name):
-    mesh = surface(name)
-    assert (mesh.genus, len(mesh.boundary_loops)) == GENUS_AND_LOOPS[name]
-    assert mesh.n_components == (2 if name == "two pieces" else 1)
-
 
 @pytest.mark.parametrize("name", ALL)
 def test_angle_defects_sum_to_the_euler_characteristic(name):
@@ -71,28 +53,11 @@ def test_half_edges_close_each_triangle_and_bound_its_area(name):
     np.testing.assert_allclose(mesh.corner_angles.sum(axis=1), np.pi, atol=1e-10)
 
 
-@pytest.mark.parametrize("name", ALL)
-def test_neighbours_are_mutual(name):
-    mesh = surface(name)
-    rows, corners = np.nonzero(mesh.face_neighbors >= 0)
-    there = mesh.face_neighbors[rows, corners]
-    assert (mesh.face_neighbors[there] == rows[:, None]).any(axis=1).all()
-    assert (mesh.face_neighbors < 0).sum() == len(mesh.boundary_edges)
-
-
 def test_planar_and_ambient_are_inverse():
     mesh = surface("jagged sphere")
     values = np.random.default_rng(0).normal(size=(mesh.n_faces, 2)) @ [1, 1j]
     np.testing.assert_allclose(mesh.planar(mesh.ambient(values)), values, atol=1e-12)
     assert np.abs(np.einsum("fx,fx->f", mesh.ambient(values), mesh.face_normals)).max() < 1e-12
-
-
-def test_boundary_loops_follow_the_faces_beside_them():
-    mesh = surface("annulus")
-    directed = {
-        (int(a), int(b)) for loop in mesh.boundary_loops for a, b in zip(loop, np.roll(loop, -1), strict=True)
-    }
-    assert directed == {(int(a), int(b)) for a, b in mesh.edges[mesh.boundary_edges]}
 
 
 def test_normalized_has_mean_zero_and_radius_one():

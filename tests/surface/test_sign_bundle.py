@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave.errors import MeshError
 from geoweave.fields.face_field import FaceField, edge_curl, integrated_curl, random_field
 from geoweave.fields.operators import (
     ClosedFields,
@@ -24,8 +23,8 @@ from geoweave.fields.singularities import vertex_indices
 from geoweave.foliation.circle_function import CircleFunction
 from geoweave.models import shapes
 from geoweave.surface.mesh import TriMesh
-from geoweave.surface.sign_bundle import TwistedMesh
 from geoweave.surface.submesh import part_of
+from geoweave.surface.twisted_mesh import TwistedMesh
 
 SURFACES = {
     "torus": lambda: shapes.torus(faces=300),
@@ -89,11 +88,11 @@ CASES = [
 def test_closed_fields_are_all_that_have_no_curl(name, classes, count):
     """C B = 0, the columns of B are independent, and there are as many as the kernel of C has dimensions."""
     mesh = twisted(SURFACES[name](), classes)
-    assert mesh.twisted_components.sum() == count
+    assert mesh.bundle.twisted_components.sum() == count
     fields = ClosedFields(mesh)
     operator, basis = curl(mesh).toarray(), fields.basis.toarray()
     assert np.abs(operator @ basis).max() < 1e-12
-    assert fields.generators.shape[1] == mesh.first_betti_number
+    assert fields.generators.shape[1] == mesh.bundle.betti_numbers.sum()
     kernel = 2 * mesh.n_faces - np.linalg.matrix_rank(operator)
     assert basis.shape[1] == kernel == np.linalg.matrix_rank(basis)
 
@@ -103,7 +102,7 @@ def test_generators_sum_to_zero_round_every_face(name, classes, count):
     mesh = twisted(SURFACES[name](), classes)
     forms = harmonic_generators(mesh)
     values = np.stack([forms.toarray()[mesh.face_edges[:, k]] for k in range(3)], axis=1)
-    np.testing.assert_array_equal((values * mesh.form_signs[:, :, None]).sum(axis=1), 0.0)
+    np.testing.assert_array_equal((values * mesh.bundle.forms[:, :, None]).sum(axis=1), 0.0)
     np.testing.assert_allclose(curl(mesh) @ (sharp(mesh) @ forms).toarray(), 0.0, atol=1e-12)
 
 
@@ -111,8 +110,8 @@ def test_generators_sum_to_zero_round_every_face(name, classes, count):
 def test_signs_that_can_be_undone_change_nothing(name):
     plain = SURFACES[name]()
     mesh, of_vertex, of_face = gauged(plain)
-    assert not mesh.twisted_components.any()
-    assert mesh.first_betti_number == plain.first_betti_number
+    assert not mesh.bundle.twisted_components.any()
+    assert mesh.bundle.betti_numbers.sum() == plain.bundle.betti_numbers.sum()
     rng = np.random.default_rng(1)
     w = random_field(plain, 2)
     odd = FaceField(mesh, of_face * w.values)
@@ -156,7 +155,7 @@ def test_a_circle_valued_function_is_odd():
     mesh = twisted(shapes.annulus(faces=300), [0])
     theta = np.random.default_rng(0).uniform(-3, 3, mesh.n_vertices)
     circle = CircleFunction.nearest(mesh, theta, np.zeros(mesh.n_edges))
-    seen = theta[mesh.faces] * mesh.corner_signs
+    seen = theta[mesh.faces] * mesh.bundle.corners
     change = seen[:, [2, 0, 1]] - seen[:, [1, 2, 0]] - circle.corner_jumps
     np.testing.assert_allclose(np.sin(0.5 * change), 0.0, atol=1e-12)
 
@@ -167,15 +166,3 @@ def test_a_part_keeps_its_signs():
     part = part_of(mesh, keep)
     assert isinstance(part.mesh, TwistedMesh)
     np.testing.assert_array_equal(part.mesh.signs, mesh.signs[keep])
-
-
-def test_signs_that_contradict_each_other_are_refused():
-    mesh = shapes.torus(faces=300)
-    signs = np.ones(mesh.faces.shape)
-    with pytest.raises(MeshError, match="must be \\+1 or -1"):
-        TwistedMesh(mesh.vertices, mesh.faces, signs=0.5 * signs)
-    with pytest.raises(MeshError, match="have shape"):
-        TwistedMesh(mesh.vertices, mesh.faces, signs=np.ones(3))
-    signs[7, 1] = -1.0
-    with pytest.raises(MeshError, match="2 edges have signs that disagree at their ends"):
-        TwistedMesh(mesh.vertices, mesh.faces, signs=signs)

@@ -23,7 +23,7 @@ from geoweave.foliation.integrability import integrating_factor
 from geoweave.foliation.level_sets import isolines
 from geoweave.foliation.theta_and_s import Alternation
 from geoweave.models import shapes
-from geoweave.surface.sign_bundle import TwistedMesh
+from geoweave.surface.twisted_mesh import TwistedMesh
 from geoweave.weave.cover import Cover, Quotient, branched_cover
 
 
@@ -232,7 +232,7 @@ def test_the_quotient_has_half_of_everything(name: str, degree: int) -> None:
     # a component that is its own antipode is twisted below; two that are each other's are one plain one
     above = cover.mesh.face_components
     own = np.unique(above[above == above[antipode]])
-    assert quotient.mesh.twisted_components.sum() == len(own)
+    assert quotient.mesh.bundle.twisted_components.sum() == len(own)
     assert 2 * quotient.mesh.n_components == cover.mesh.n_components + len(own)
     assert isinstance(quotient.mesh, TwistedMesh) == bool(len(own))
 
@@ -247,7 +247,6 @@ def test_the_quotient_of_an_odd_cover_is_the_cover() -> None:
     cover = cover_of("jagged sphere", 5)
     assert cover.quotient.mesh is cover.mesh
     np.testing.assert_array_equal(cover.quotient.field.values, cover.field.values)
-    assert cover.quotient.lifted_field(cover.field).mesh is cover.mesh
 
 
 @pytest.mark.parametrize("name", ["jagged sphere", "torus", "Schwarz-P", "two pieces"])
@@ -255,12 +254,10 @@ def test_the_field_solved_on_the_quotient_is_that_of_all_sheets(name: str) -> No
     """Algorithm 1 keeps odd fields odd, so half of the sheets know all."""
     cover = cover_of(name)
     quotient = cover.quotient
-    np.testing.assert_allclose(
-        quotient.lifted_field(quotient.field).values, cover.field.values, rtol=0, atol=1e-14
-    )
+    np.testing.assert_allclose(lifted(quotient, quotient.field), cover.field.values, rtol=0, atol=1e-14)
     below, above = designed(quotient.field), designed(cover.field)
     # rounding only, amplified by the steps
-    np.testing.assert_allclose(quotient.lifted_field(below).values, above.values, atol=1e-7)
+    np.testing.assert_allclose(lifted(quotient, below), above.values, atol=1e-7)
     assert 2 * total_curl(below) == pytest.approx(total_curl(above), rel=1e-9)
     np.testing.assert_array_equal(
         np.bincount(np.abs(vertex_indices(below)), minlength=3) * 2,
@@ -280,6 +277,11 @@ def test_the_factor_solved_on_the_quotient_is_that_of_all_sheets(name: str, degr
     np.testing.assert_allclose(below.s[quotient.faces], above.s, rtol=1e-6)
 
 
+def lifted(quotient: Quotient, field: FaceField) -> np.ndarray:
+    """A field of the quotient on the cover: opposite vectors on antipodal faces."""
+    return quotient.signs * field.values[quotient.faces]
+
+
 def eq8(quotient: Quotient) -> tuple[Alternation, Alternation, Scalars, Scalars]:
     """Eq. 8 on the quotient and on all sheets, with a first s on either."""
     s = integrating_factor(quotient.field).s
@@ -291,7 +293,7 @@ def eq8(quotient: Quotient) -> tuple[Alternation, Alternation, Scalars, Scalars]
 
 def lifted_to_vertices(quotient: Quotient, values: Scalars | Complexes) -> Scalars | Complexes:
     """Angles at vertices, or unit complex numbers, taken from the quotient to the cover."""
-    seen, sign = values[quotient.mesh.faces], quotient.mesh.corner_signs
+    seen, sign = values[quotient.mesh.faces], quotient.mesh.bundle.corners
     out = np.empty(quotient.cover.mesh.n_vertices, dtype=values.dtype)
     sign = (quotient.signs[:, None] * sign[quotient.faces]) > 0
     seen = seen[quotient.faces]
@@ -390,7 +392,5 @@ def test_a_lifted_foliation_is_a_foliation() -> None:
 
 def test_what_lies_elsewhere_is_not_lifted() -> None:
     cover = cover_of("disk")
-    with pytest.raises(FieldError, match="on the mesh of the quotient"):
-        cover.quotient.lifted_field(cover.field)
     with pytest.raises(FieldError, match="one of the quotient"):
         cover.quotient.lifted(foliate(cover.field, alternations=1))
