@@ -16,7 +16,7 @@ from geoweave.rods.contact_energies import ORIENTATION, contact_orientation, con
 from geoweave.rods.elastic_energies import Term, elastic_terms, sliding
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping, minimized
 from geoweave.rods.rods import Contacts, Rods
-from geoweave.surface import BoxTree, TriMesh, closest_points, triangle_tree
+from geoweave.surface import BoxTree, TriMesh, closest_points, smooth_normals, triangle_tree
 
 __all__ = ["ROUNDS", "Springs", "relax_rods", "relaxing_terms", "slide_rods"]
 
@@ -155,28 +155,6 @@ def _laid(rods: Rods, surface: TriMesh, tree: BoxTree) -> Rods:
     # a segment that stands on the surface keeps its direction
     directors = np.where(size > 0.1, aside / np.maximum(size, 0.1), rods.directors)
     return replace(rods, directors=directors, twists=None)
-
-
-def smooth_normals(surface: TriMesh, points: Vectors, faces: Indices) -> Vectors:
-    """(N, 3) unit normals at points of faces, interpolated from the vertices'.
-
-    Those of the faces jump at every edge; ribbons laid on them would be bent edgewise in every joint.
-    """
-    corners = surface.vertices[surface.faces[faces]]
-    normal = surface.face_normals[faces]
-    shares = np.stack(
-        [
-            (normal * np.cross(corners[:, (k + 1) % 3] - points, corners[:, (k + 2) % 3] - points)).sum(
-                axis=1
-            )
-            for k in range(3)
-        ],
-        axis=1,
-    )
-    shares = np.maximum(shares, 0.0) + 1e-300
-    normals = (shares[:, :, None] * surface.vertex_normals[surface.faces[faces]]).sum(axis=1)
-    size = np.linalg.norm(normals, axis=1)[:, None]
-    return np.where(size > 1e-9 * shares.sum(axis=1)[:, None], normals / np.maximum(size, 1e-300), normal)
 
 
 def _at_ends(rods: Rods) -> Contacts:

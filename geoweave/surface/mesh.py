@@ -1,7 +1,7 @@
 """The surface: an oriented manifold triangle mesh and its geometry (Section 4).
 
-Tangent vectors are complex numbers in the orthonormal frame of their face. `connectivity` says how half-edges,
-corners and edges are numbered.
+Tangent vectors are complex numbers in the orthonormal frame of their face. `connectivity` says how
+half-edges, corners and edges are numbered.
 """
 
 from __future__ import annotations

@@ -35,7 +35,7 @@ class SignBundle:
     corners: Scalars
 
     def over(self, end: int) -> Scalars:
-        """(E_int,) +1 where both faces of an edge see its start (0) or end (1) with the same sign, else -1."""
+        """(E_int,) +1 where both faces of an edge see its start (0) or end (1) alike, else -1."""
         here, there = (each[:, end] for each in self.mesh.corners_across(self.mesh.interior_edges))
         signs = self.corners.ravel()
         return np.asarray(signs[here] * signs[there])
@@ -89,7 +89,7 @@ class SignBundle:
         return np.where(straight == straight[root][self.mesh.vertex_components], 1.0, -1.0)
 
     def _two_copies(self, edges: Indices) -> tuple[Indices, Indices]:
-        """Components of two copies of the vertices, joined by each edge straight or, by its sign, crosswise."""
+        """Components of two copies of the vertices, joined by an edge straight or, by its sign, crosswise."""
         n, (tail, head) = self.mesh.n_vertices, self.mesh.edges[edges].T
         shift = np.where(self.ends[edges].prod(axis=1) < 0, n, 0)
         first, second = np.concatenate([tail, tail + n]), np.concatenate([head + shift, head + n - shift])

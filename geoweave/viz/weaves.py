@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.errors import RenderError
-from geoweave.surface import TriMesh
+from geoweave.surface import TriMesh, smooth_normals
 from geoweave.viz import style
 from geoweave.viz.layout import gallery
 from geoweave.viz.picture import Picture
@@ -127,13 +127,12 @@ def strips(
         raise RenderError(f"a ribbon needs a positive width and thickness, not {wide} and {thin}")
     ribbons, spacing = weave.ribbons, weave.ribbons.spacing
     curves, met = ribbons.curves, ribbons.crossings
-    smooth = weave.mesh.vertex_normals
     points, quads, count = [], [], 0
     for c in which:
         own = np.arange(curves.offsets[c], curves.offsets[c + 1])
         closed, length = bool(curves.closed[c]), float(curves.lengths[c])
         at, place = curves.arclength[own], curves.points[own]
-        normal = _normals(weave.mesh, smooth, place, curves.faces[own])
+        normal = smooth_normals(weave.mesh, place, curves.faces[own])
         if closed:
             at, place, normal = np.append(at, length), *(np.vstack([x, x[:1]]) for x in (place, normal))
         number = max(int(np.ceil(length / (STEP * spacing))), 4)
@@ -272,21 +271,6 @@ def heights(
     share = np.clip(((s - at[before]) / gap - flat) / (1.0 - 2.0 * flat), 0.0, 1.0)
     blend = 0.5 - 0.5 * np.cos(np.pi * share)
     return np.asarray((1 - blend) * sides[before] + blend * sides[after])
-
-
-def _normals(mesh: TriMesh, at_vertices: Vectors, points: Vectors, faces: NDArray[np.int64]) -> Vectors:
-    """Smooth unit normals at points of faces."""
-    a, b, c = (mesh.vertices[mesh.faces[faces, k]] for k in range(3))
-    face_normal = np.cross(b - a, c - a)
-    square = (face_normal**2).sum(axis=1)
-    weights = np.stack(
-        [
-            (np.cross(q - p, points - p) * face_normal).sum(axis=1) / square
-            for p, q in ((b, c), (c, a), (a, b))
-        ],
-        axis=1,
-    )
-    return _unit((weights[:, :, None] * at_vertices[mesh.faces[faces]]).sum(axis=1))
 
 
 def _unit(vectors: Vectors) -> Vectors:
