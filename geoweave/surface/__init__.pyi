@@ -6,7 +6,6 @@ from .closest_point import (
     triangle_tree as triangle_tree,
 )
 from .components import connected_components as connected_components
-from .connectivity import corner_after as corner_after
 from .mesh import SMALLEST_ASPECT as SMALLEST_ASPECT, Similarity as Similarity, TriMesh as TriMesh
 from .smooth_normal import smooth_normals as smooth_normals
 from .submesh import Part as Part, part_of as part_of

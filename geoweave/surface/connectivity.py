@@ -25,7 +25,8 @@ def corner_after(halfedge: Indices, step: int) -> Indices:
 
     Examples
     --------
-    >>> gw.surface.corner_after(np.array([5]), 1)
+    >>> from geoweave.surface.connectivity import corner_after
+    >>> corner_after(np.array([5]), 1)
     array([3])
     """
     return np.asarray(3 * (halfedge // 3) + (halfedge + step) % 3)
