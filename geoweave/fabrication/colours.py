@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.strip_drawing import ROLES, Figure
+from geoweave.fabrication.strip_figures import ROLES, Figure
 
 __all__ = ["FAMILIES", "Colours", "Ink", "ink", "mixed"]
 

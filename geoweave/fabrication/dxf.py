@@ -15,7 +15,7 @@ from ezdxf.layouts.layout import Modelspace
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.nesting import Sheet
 from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.strip_drawing import LAYERS, ROLES, Figure
+from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure
 from geoweave.files import replacing
 
 __all__ = ["APPLICATION", "dxf_drawing", "write_dxf"]

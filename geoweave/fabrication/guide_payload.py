@@ -19,7 +19,8 @@ from geoweave.fabrication.colours import Colours, Ink, ink
 from geoweave.fabrication.glb import ribbon_bodies
 from geoweave.fabrication.pattern import Pattern, WeaveLike, weave_document
 from geoweave.fabrication.pieces import Making, pieces_of
-from geoweave.fabrication.strip_drawing import Drawn, drawn
+from geoweave.fabrication.strip_drawing import drawn
+from geoweave.fabrication.strip_figures import Drawn
 
 __all__ = ["GRAIN", "drawings", "shape", "varints"]
 

@@ -20,7 +20,8 @@ from geoweave.fabrication.nesting import Sheet, Stock, nested
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pdf import PAPERS, laid_on_pages, page_stock, write_pdf
 from geoweave.fabrication.pieces import Making, pieces_of
-from geoweave.fabrication.strip_drawing import Drawn, drawn
+from geoweave.fabrication.strip_drawing import drawn
+from geoweave.fabrication.strip_figures import Drawn
 from geoweave.fabrication.svg import write_svg
 from geoweave.files import Job, OutputError, chosen, written_together
 

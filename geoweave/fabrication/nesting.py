@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.strip_drawing import Drawn, Figure
+from geoweave.fabrication.strip_figures import Drawn, Figure
 
 __all__ = ["Laid", "Sheet", "Stock", "nested"]
 

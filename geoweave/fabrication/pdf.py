@@ -16,7 +16,7 @@ from geoweave.fabrication.colours import INK, Colours, ink, mixed
 from geoweave.fabrication.marks import outline
 from geoweave.fabrication.nesting import Sheet, Stock, nested
 from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.strip_drawing import LAYERS, ROLES, Drawn, Figure
+from geoweave.fabrication.strip_figures import LAYERS, ROLES, Drawn, Figure
 from geoweave.files import replacing
 
 __all__ = ["PAPERS", "RULER", "Paper", "laid_on_pages", "page_stock", "pdf_bytes", "write_pdf"]

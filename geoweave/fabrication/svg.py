@@ -15,7 +15,7 @@ from geoweave.errors import FieldError
 from geoweave.fabrication.colours import Colours, ink
 from geoweave.fabrication.nesting import Laid, Sheet
 from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.strip_drawing import LAYERS, ROLES, Figure
+from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure
 from geoweave.files import replacing
 
 __all__ = ["MarkSeen", "read_svg", "svg_text", "write_svg"]

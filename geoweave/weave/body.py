@@ -131,12 +131,11 @@ def bodies(
 
     Examples
     --------
-    >>> import numpy as np
     >>> up = np.array([[0.0, 0.0, 1.0]] * 2)
-    >>> east = Centreline(np.array([[-10.0, 0, 0], [10, 0, 0]]), up, closed=False)
-    >>> north = Centreline(np.array([[0, -10.0, 0], [0, 10, 0]]), up, closed=False)
+    >>> east = gw.weave.Centreline(np.array([[-10.0, 0, 0], [10, 0, 0]]), up, closed=False)
+    >>> north = gw.weave.Centreline(np.array([[0, -10.0, 0], [0, 10, 0]]), up, closed=False)
     >>> met = np.array([[0, 1]]), np.array([[10.0, 10.0]]), np.array([0])
-    >>> first, second = bodies([east, north], *met, width=2.0, thickness=0.5)
+    >>> first, second = gw.weave.bodies([east, north], *met, width=2.0, thickness=0.5)
     >>> round(float(first.centre[:, 2].max() - second.centre[:, 2].min()), 3)  # 1.4 thicknesses
     0.7
     """

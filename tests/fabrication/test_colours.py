@@ -9,7 +9,7 @@ import pytest
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import FAMILIES, Colours, ink, mixed
-from geoweave.fabrication.strip_drawing import ROLES, Figure, Role
+from geoweave.fabrication.strip_figures import ROLES, Figure, Role
 
 
 def figure(role: Role, family: int = 0) -> Figure:

@@ -15,7 +15,8 @@ from geoweave.errors import FieldError
 from geoweave.fabrication.marks import outline
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making, pieces_of
-from geoweave.fabrication.strip_drawing import ROLES, Drawn, Figure, drawn
+from geoweave.fabrication.strip_drawing import drawn
+from geoweave.fabrication.strip_figures import ROLES, Drawn, Figure
 from geoweave.fabrication.stroke_font import Box, boxes_overlap
 
 PLAIN = Making()
