@@ -1,8 +1,6 @@
-from . import maker_files as maker_files
 from .colours import Colours as Colours
 from .maker_files import (
     FORMATS as FORMATS,
-    Bench as Bench,
     check_formats as check_formats,
     jobs_of as jobs_of,
     write as write,
@@ -12,4 +10,5 @@ from .pattern import Pattern as Pattern, pattern_of as pattern_of
 from .pdf import FOOT as FOOT, MARGIN as MARGIN, PAPERS as PAPERS, Paper as Paper, write_pdf as write_pdf
 from .pieces import Making as Making, pieces_of as pieces_of
 from .strip_drawing import drawn as drawn
+from .strip_layout import Bench as Bench, StripLayout as StripLayout, layout as layout
 from .svg import read_svg as read_svg

@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from os import PathLike
-
-from ezdxf import colors, units as dxf_units
-from ezdxf._options import options
-from ezdxf.document import Drawing
-from ezdxf.filemanagement import new
-from ezdxf.layouts.layout import Modelspace
+from typing import TYPE_CHECKING
 
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.nesting import Sheet
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure
 from geoweave.files import replacing
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+    from ezdxf.layouts.layout import Modelspace
 
 __all__ = ["APPLICATION", "dxf_drawing", "write_dxf"]
 
@@ -36,6 +35,10 @@ def dxf_drawing(pattern: Pattern, sheet: Sheet, colours: Colours) -> Drawing:
 
     Extended data under `APPLICATION` name the strip and, where there is one, the crossing.
     """
+    # The library is loaded by those who write DXF only.
+    from ezdxf import colors, units as dxf_units
+    from ezdxf.filemanagement import new
+
     with _without_dates():
         drawing = new("R2010")
     drawing.units = dxf_units.MM
@@ -63,6 +66,8 @@ def dxf_drawing(pattern: Pattern, sheet: Sheet, colours: Colours) -> Drawing:
 
 
 def _fill(space: Modelspace, figure: Figure, layer: str) -> None:
+    from ezdxf import colors
+
     for path in figure.paths:
         hatch = space.add_hatch(dxfattribs={"layer": layer, "color": colors.BYLAYER})
         hatch.paths.add_polyline_path(path.tolist(), is_closed=True)
@@ -71,6 +76,8 @@ def _fill(space: Modelspace, figure: Figure, layer: str) -> None:
 @contextmanager
 def _without_dates() -> Iterator[None]:
     """No time and no new identifier in the file; the switch of the library goes back to what it was."""
+    from ezdxf._options import options
+
     before = options.write_fixed_meta_data_for_testing
     options.write_fixed_meta_data_for_testing = True
     try:

@@ -10,7 +10,7 @@ import hashlib
 import html
 import json
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from geoweave.checkout import PACKAGE
 from geoweave.errors import FieldError
@@ -19,16 +19,13 @@ from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.guide_payload import drawings, shape
 from geoweave.fabrication.guide_threejs import three_js
 from geoweave.fabrication.marks import MARKS, outline
-from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pattern import Pattern, WeaveLike, weave_document
 from geoweave.fabrication.pieces import Making
-
-if TYPE_CHECKING:
-    from geoweave.weave import Weave
 
 __all__ = ["guide_content", "guide_html"]
 
 PARTS = ("guide.html", "guide.css", "guide_steps.js", "guide_strip.js", "guide_space.js", "guide.js")
-"""What the page is put together from, in ``geoweave/data``."""
+"""What the page is put together from; the files lie beside this module."""
 
 SPOKEN = {"half": "half disc"}
 """Marks whose names say too little in a sentence."""
@@ -36,7 +33,7 @@ SPOKEN = {"half": "half disc"}
 
 def guide_html(
     pattern: Pattern,
-    weave: Weave | Mapping[str, Any],
+    weave: WeaveLike,
     making: Making | None = None,
     title: str = "weave",
     colours: Colours | None = None,
@@ -61,7 +58,7 @@ def guide_html(
     OutputError
         If three.js is not to be had.
     """
-    document = weave if isinstance(weave, Mapping) else weave.document()
+    document = weave_document(weave)
     content = guide_content(
         pattern,
         document,

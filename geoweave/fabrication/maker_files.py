@@ -2,33 +2,17 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from geoweave.errors import FieldError
-from geoweave.fabrication.assembly_order import Step, assembly
-from geoweave.fabrication.colours import Colours
-from geoweave.fabrication.cut_list import cut_list
-from geoweave.fabrication.dxf import write_dxf
-from geoweave.fabrication.glb import write_glb
-from geoweave.fabrication.guide_page import guide_html
-from geoweave.fabrication.nesting import Sheet, Stock, nested
-from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.pdf import PAPERS, laid_on_pages, page_stock, write_pdf
-from geoweave.fabrication.pieces import Making, pieces_of
-from geoweave.fabrication.strip_drawing import drawn
-from geoweave.fabrication.strip_figures import Drawn
-from geoweave.fabrication.svg import write_svg
+from geoweave.fabrication.pattern import Pattern, WeaveLike, weave_document
+from geoweave.fabrication.pdf import PAPERS
+from geoweave.fabrication.strip_layout import Bench, StripLayout
 from geoweave.files import Job, OutputError, chosen, written_together
 
-if TYPE_CHECKING:
-    from geoweave.weave import Weave
-
-__all__ = ["FORMATS", "Bench", "check_formats", "pattern_document", "write"]
+__all__ = ["FORMATS", "check_formats", "jobs_of", "write"]
 
 FORMATS = {
     "pattern": "pattern.json, flat strips, crossings and the order of assembly",
@@ -41,31 +25,6 @@ FORMATS = {
 }
 """What a pattern can be written as."""
 
-MOST_SHEETS = 400
-"""Pages or sheets that are still written."""
-
-
-@dataclass(frozen=True)
-class Bench:
-    """How a pattern is made.
-
-    Attributes
-    ----------
-    making : overlap, extra and kerf
-    stock : sheets of the SVG and of the DXF; by default one long sheet
-    stock_length : of the strips that the cut list counts, mm
-    colours : of SVG and DXF
-    paper_colours : of the pages
-    title : what the drawings are called
-    """
-
-    making: Making = field(default_factory=Making)
-    stock: Stock = field(default_factory=Stock)
-    stock_length: float = 1000.0
-    colours: Colours = field(default_factory=Colours)
-    paper_colours: Colours = field(default_factory=lambda: Colours("paper"))
-    title: str = "weave"
-
 
 def check_formats(names: Iterable[str]) -> tuple[str, ...]:
     """Return the formats of these names, each once, in the order of `FORMATS`.
@@ -74,21 +33,13 @@ def check_formats(names: Iterable[str]) -> tuple[str, ...]:
     ------
     OutputError
         If there is no such format.
+
+    Examples
+    --------
+    >>> gw.fabrication.check_formats(["PDF", "svg", "pdf"])
+    ('svg', 'pdf')
     """
     return chosen(names, FORMATS, "pattern")
-
-
-def pattern_document(pattern: Pattern, bench: Bench, order: tuple[Step, ...] | None = None) -> dict[str, Any]:
-    """The contents of ``pattern.json``: the pattern, how it is made, and the order of assembly."""
-    steps = assembly(pattern) if order is None else order
-    return {
-        **pattern.document(),
-        "making": vars(bench.making),
-        "assembly": [
-            {"strip": step.strip, "backbone": step.backbone, "crossings": list(step.crossings)}
-            for step in steps
-        ],
-    }
 
 
 def write(
@@ -97,7 +48,7 @@ def write(
     formats: Iterable[str] = tuple(FORMATS),
     *,
     bench: Bench | None = None,
-    weave: Weave | Mapping[str, Any] | None = None,
+    weave: WeaveLike | None = None,
     rest: Mapping[str, Any] | None = None,
 ) -> dict[str, Path]:
     """Write a pattern, all files together or none.
@@ -124,6 +75,18 @@ def write(
     FieldError
         If strips do not fit on the sheets, their crossings are too dense to be labelled, or the weave is not
         that of the pattern.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     list(gw.fabrication.write(gw.fabrication.pattern_of(weave), folder, ["csv", "svg"]))
+    ['cutlist.csv', 'pattern.svg']
+
+    See Also
+    --------
+    geoweave.fabrication.layout : one file of a weave, in the format of its ending.
     """
     if not (wanted := check_formats(formats)):
         raise OutputError(f"no format is asked for; the formats are {', '.join(FORMATS)}")
@@ -135,80 +98,45 @@ def jobs_of(
     formats: Iterable[str],
     *,
     bench: Bench | None = None,
-    weave: Weave | Mapping[str, Any] | None = None,
+    weave: WeaveLike | None = None,
     rest: Mapping[str, Any] | None = None,
 ) -> dict[str, Job]:
-    """What writes each file of a pattern; everything that may be refused is refused here. As `write`."""
-    wanted, how = check_formats(formats), bench or Bench()
+    """What writes each file of a pattern; everything that may be refused is refused here.
+
+    Parameters and errors are those of `write`, and so is the order of the files.
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> list(gw.fabrication.jobs_of(gw.fabrication.pattern_of(weave), ["csv", "pdf"]))
+    ['cutlist.csv', 'pattern-a4.pdf', 'pattern-letter.pdf']
+    """
+    wanted = check_formats(formats)
     for name, what in (("glb", "GLB"), ("guide", "guide")):
         if name in wanted and weave is None:
             raise OutputError(
                 f"the {what} needs the weave itself, as a pattern has no places in space; leave '{name}' out"
             )
+    stands = rest if rest is not None else weave
+    in_space = {"glb", "guide"} & set(wanted)
+    space = weave_document(stands) if stands is not None and in_space else None
+    laid = StripLayout(pattern, bench or Bench(), space)
     jobs: dict[str, Job] = {}
-    order = assembly(pattern)
-    if "pattern" in wanted:
-        text = json.dumps(pattern_document(pattern, how, order), indent=1, allow_nan=False) + "\n"
-        jobs["pattern.json"] = _text(text)
-    if "csv" in wanted:
-        jobs["cutlist.csv"] = _text(cut_list(pattern, how.making, how.stock_length).text(pattern, order))
-    if "svg" in wanted or "dxf" in wanted:
-        sheets = nested(_drawings(pattern, how, how.stock.room), how.stock)
-        _few(sheets)
-        for number, sheet in enumerate(sheets, 1):
-            name = "pattern" if len(sheets) == 1 else f"pattern-{number:02d}"
-            title = how.title if len(sheets) == 1 else f"{how.title}, sheet {number} of {len(sheets)}"
-            if "svg" in wanted:
-                jobs[f"{name}.svg"] = _svg(pattern, sheet, how.colours, title)
-            if "dxf" in wanted:
-                jobs[f"{name}.dxf"] = _dxf(pattern, sheet, how.colours)
-    if "pdf" in wanted:
-        for key, paper in PAPERS.items():
-            pages = laid_on_pages(_drawings(pattern, how, page_stock(paper).room), paper)
-            _few(pages)
-            jobs[f"pattern-{key}.pdf"] = _pdf(pattern, pages, key, how)
-    stands = rest or weave
-    if "glb" in wanted:
-        assert stands is not None  # or it would have been refused
-        jobs["weave.glb"] = _glb(stands, how.paper_colours)
-    if "guide" in wanted:
-        assert stands is not None
-        jobs["guide.html"] = _text(
-            guide_html(pattern, stands, how.making, how.title, how.paper_colours, order)
-        )
+    for name in wanted:
+        if name == "pdf":
+            for paper in PAPERS:
+                jobs |= laid.pdf_files(f"pattern-{paper}", paper)
+        else:
+            jobs |= laid.files(*_NAMES[name])
     return jobs
 
 
-def _drawings(pattern: Pattern, how: Bench, longest: float) -> list[Drawn]:
-    return [drawn(pattern, piece, how.making) for piece in pieces_of(pattern, how.making, longest)]
-
-
-def _few(sheets: tuple[Sheet, ...]) -> None:
-    if len(sheets) > MOST_SHEETS:
-        raise FieldError(
-            f"the pattern needs {len(sheets)} sheets, more than {MOST_SHEETS}; "
-            "make the object smaller or ask for fewer ribbons"
-        )
-
-
-def _text(text: str) -> Job:
-    def job(path: Path) -> None:
-        path.write_text(text, encoding="utf-8", newline="\n")
-
-    return job
-
-
-def _svg(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> Job:
-    return lambda path: write_svg(path, pattern, sheet, colours, title)
-
-
-def _dxf(pattern: Pattern, sheet: Sheet, colours: Colours) -> Job:
-    return lambda path: write_dxf(path, pattern, sheet, colours)
-
-
-def _pdf(pattern: Pattern, pages: tuple[Sheet, ...], key: str, how: Bench) -> Job:
-    return lambda path: write_pdf(path, pattern, pages, PAPERS[key], how.paper_colours, how.title)
-
-
-def _glb(weave: Weave | Mapping[str, Any], colours: Colours) -> Job:
-    return lambda path: write_glb(path, weave, colours.families)
+_NAMES = {
+    "pattern": (".json", "pattern"),
+    "csv": (".csv", "cutlist"),
+    "svg": (".svg", "pattern"),
+    "dxf": (".dxf", "pattern"),
+    "glb": (".glb", "weave"),
+    "guide": (".html", "guide"),
+}
+"""Ending and stem of the files of each format; pages have the name of their paper too."""

@@ -105,6 +105,17 @@ class Pattern:
     FieldError
         If a crossing names a strip that is not there, lies beyond its end, or two crossings of the same two
         strips have the same mark.
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> pattern = gw.fabrication.pattern_of(weave)
+    >>> places = [each.at for each in pattern.passages[0]]  # mm from the first end of the first strip
+    >>> places == sorted(places) and 0 <= places[0] <= places[-1] <= pattern.strips[0].length
+    True
+    >>> again = gw.fabrication.Pattern.from_document(pattern.document())
+    >>> again.document() == pattern.document()
+    True
     """
 
     strips: tuple[Strip, ...]

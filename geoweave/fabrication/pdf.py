@@ -6,10 +6,7 @@ import io
 import math
 from collections.abc import Sequence
 from os import PathLike
-from typing import Any, NamedTuple
-
-from reportlab.pdfgen.canvas import Canvas
-from reportlab.pdfgen.pathobject import PDFPathObject
+from typing import TYPE_CHECKING, NamedTuple
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import INK, Colours, ink, mixed
@@ -18,6 +15,9 @@ from geoweave.fabrication.nesting import Sheet, Stock, nested
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.strip_figures import LAYERS, ROLES, Drawn, Figure
 from geoweave.files import replacing
+
+if TYPE_CHECKING:
+    from reportlab.pdfgen.canvas import Canvas
 
 __all__ = ["PAPERS", "RULER", "Paper", "laid_on_pages", "page_stock", "pdf_bytes", "write_pdf"]
 
@@ -62,7 +62,29 @@ def write_pdf(
     colours: Colours,
     title: str,
 ) -> None:
-    """Write pages as PDF, whole or not at all."""
+    """Write pages as PDF, whole or not at all.
+
+    Parameters
+    ----------
+    path : of the file
+    pattern : the strips
+    pages : what lies on each page
+    paper : that the pages were laid out for, one of `PAPERS`
+    colours : of the families
+    title : stands on each page
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> laid, fabrication = gw.fabrication.layout(weave), gw.fabrication
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "cone.pdf"
+    ...     pages, paper = laid.pages("a4"), fabrication.PAPERS["a4"]
+    ...     fabrication.write_pdf(path, laid.pattern, pages, paper, fabrication.Colours("paper"), "cone")
+    ...     path.read_bytes()[:5]
+    b'%PDF-'
+    """
     data = pdf_bytes(pattern, pages, paper, colours, title)
     with replacing(path) as temporary:
         temporary.write_bytes(data)
@@ -70,6 +92,9 @@ def write_pdf(
 
 def pdf_bytes(pattern: Pattern, pages: Sequence[Sheet], paper: Paper, colours: Colours, title: str) -> bytes:
     """The file, without a date: the same pages give the same bytes."""
+    # The library is loaded by those who write pages only.
+    from reportlab.pdfgen.canvas import Canvas
+
     out = io.BytesIO()
     canvas = Canvas(out, pagesize=(paper.width * MM, paper.height * MM), invariant=1, pageCompression=1)
     canvas.setTitle(title)
@@ -90,7 +115,7 @@ def pdf_bytes(pattern: Pattern, pages: Sequence[Sheet], paper: Paper, colours: C
     return out.getvalue()
 
 
-def _strips(canvas: Any, page: Sheet, colours: Colours) -> None:
+def _strips(canvas: Canvas, page: Sheet, colours: Colours) -> None:
     shown = [laid.figures for laid in page.laid]
     for layer in LAYERS:
         for figures in shown:
@@ -99,7 +124,9 @@ def _strips(canvas: Any, page: Sheet, colours: Colours) -> None:
                     _figure(canvas, figure.moved(MARGIN, MARGIN + FOOT), colours)
 
 
-def _figure(canvas: Any, figure: Figure, colours: Colours) -> None:
+def _figure(canvas: Canvas, figure: Figure, colours: Colours) -> None:
+    from reportlab.pdfgen.pathobject import PDFPathObject
+
     look = ink(figure, colours)
     if look is None:
         return
@@ -117,7 +144,7 @@ def _figure(canvas: Any, figure: Figure, colours: Colours) -> None:
     canvas.drawPath(path, stroke=int(look.stroke is not None), fill=int(look.fill is not None))
 
 
-def _crosses(canvas: Any, paper: Paper) -> None:
+def _crosses(canvas: Canvas, paper: Paper) -> None:
     """Registration marks in the corners."""
     canvas.setStrokeColor(INK)
     canvas.setLineWidth(0.12)
@@ -128,7 +155,7 @@ def _crosses(canvas: Any, paper: Paper) -> None:
             canvas.line(x, y - 2, x, y + 2)
 
 
-def _ruler(canvas: Any) -> None:
+def _ruler(canvas: Canvas) -> None:
     """A hundred millimetres, to be measured after printing; the black bar is as long as it says."""
     x, y, length = RULER
     canvas.setFillColor(INK)
@@ -148,7 +175,7 @@ def _ruler(canvas: Any) -> None:
     canvas.drawString(x, y - 3.4, "The bar is 100 mm long. Print at 100 %, without fitting to the page.")
 
 
-def _legend(canvas: Any, pattern: Pattern, paper: Paper, colours: Colours) -> None:
+def _legend(canvas: Canvas, pattern: Pattern, paper: Paper, colours: Colours) -> None:
     """What over and under look like."""
     families = sorted({strip.family for strip in pattern.strips})
     own, other = (colours.of_family(families[k % len(families)]) for k in (0, 1))
@@ -193,7 +220,7 @@ def _legend(canvas: Any, pattern: Pattern, paper: Paper, colours: Colours) -> No
 _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
-def _polygon(canvas: Any, points: Sequence[Sequence[float]], fill: str, stroke: str | None) -> None:
+def _polygon(canvas: Canvas, points: Sequence[Sequence[float]], fill: str, stroke: str | None) -> None:
     path = canvas.beginPath()
     path.moveTo(*points[0])
     for point in points[1:]:
@@ -206,7 +233,7 @@ def _polygon(canvas: Any, points: Sequence[Sequence[float]], fill: str, stroke: 
 
 
 def _map(
-    canvas: Any,
+    canvas: Canvas,
     pattern: Pattern,
     pages: Sequence[Sheet],
     number: int,

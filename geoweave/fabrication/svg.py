@@ -123,6 +123,18 @@ def read_svg(path: str | PathLike[str]) -> tuple[dict[str, float], tuple[MarkSee
     ------
     FieldError
         If the file is no SVG.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> laid = gw.fabrication.layout(weave)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     lengths, marks = gw.fabrication.read_svg(laid.save(folder + "/cone.svg")[0])
+    >>> bool(abs(lengths["A1"] - laid.pattern.strips[0].length) < 1e-3)  # mm
+    True
+    >>> len(marks) == 2 * len(laid.pattern.at)
+    True
     """
     name = Path(path).name
     try:

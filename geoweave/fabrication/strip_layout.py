@@ -1,0 +1,295 @@
+"""Strips laid out on sheets, saved in the format that the ending of a name asks for (Section 5.4)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from geoweave.errors import FieldError
+from geoweave.fabrication.assembly_order import Step, assembly
+from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.cut_list import cut_list
+from geoweave.fabrication.dxf import write_dxf
+from geoweave.fabrication.glb import write_glb
+from geoweave.fabrication.guide_page import guide_html
+from geoweave.fabrication.nesting import Sheet, Stock, nested
+from geoweave.fabrication.pattern import Pattern, WeaveLike, pattern_of, weave_document
+from geoweave.fabrication.pdf import PAPERS, laid_on_pages, page_stock, write_pdf
+from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.strip_drawing import drawn
+from geoweave.fabrication.strip_figures import Drawn
+from geoweave.fabrication.svg import write_svg
+from geoweave.files import Job, OutputError, check_writable, written_together
+
+__all__ = ["Bench", "StripLayout", "layout"]
+
+MOST_SHEETS = 400
+"""Pages or sheets that are still written."""
+
+
+@dataclass(frozen=True)
+class Bench:
+    """How a pattern is made.
+
+    Attributes
+    ----------
+    making : overlap, extra and kerf
+    stock : sheets of the SVG and of the DXF; by default one long sheet
+    stock_length : of the strips that the cut list counts, mm
+    colours : of SVG and DXF
+    paper_colours : of the pages, the GLB and the guide
+    title : what the drawings are called
+
+    Examples
+    --------
+    >>> Making, Stock = gw.fabrication.Making, gw.fabrication.Stock
+    >>> bench = gw.fabrication.Bench(Making(overlap=10.0), Stock(width=600.0, height=300.0))
+    >>> bench.stock.room  # mm that a strip may be long
+    590.0
+    """
+
+    making: Making = field(default_factory=Making)
+    stock: Stock = field(default_factory=Stock)
+    stock_length: float = 1000.0
+    colours: Colours = field(default_factory=Colours)
+    paper_colours: Colours = field(default_factory=lambda: Colours("paper"))
+    title: str = "weave"
+
+
+@dataclass(frozen=True, eq=False)
+class StripLayout:
+    """Flat strips and how they are made: everything that a file for the bench is written from.
+
+    Attributes
+    ----------
+    pattern : the strips
+    bench : how they are made
+    space : the weave as it will stand, as the contents of its ``weave.json`` or ``relaxed.json``; a pattern
+        alone does not know where its ribbons are in space, and then there is no GLB and no guide
+
+    See Also
+    --------
+    layout : makes one of a weave.
+    """
+
+    pattern: Pattern
+    bench: Bench = field(default_factory=Bench)
+    space: Mapping[str, Any] | None = None
+
+    @cached_property
+    def order(self) -> tuple[Step, ...]:
+        """In which order the strips are woven."""
+        return assembly(self.pattern)
+
+    @cached_property
+    def sheets(self) -> tuple[Sheet, ...]:
+        """The strips nested on the sheets of the bench.
+
+        Raises
+        ------
+        FieldError
+            If strips do not fit on the sheets, their crossings are too dense to be labelled, or there are
+            too many sheets.
+        """
+        stock = self.bench.stock
+        return _few(nested(self._drawings(stock.room), stock))
+
+    def pages(self, paper: str = "a4") -> tuple[Sheet, ...]:
+        """The strips nested on pages to print, ``"a4"`` or ``"letter"``.
+
+        Raises
+        ------
+        FieldError
+            As for `sheets`.
+        """
+        size = PAPERS[paper]
+        return _few(laid_on_pages(self._drawings(page_stock(size).room), size))
+
+    def document(self) -> dict[str, Any]:
+        """The contents of ``pattern.json``: the pattern, how it is made, and the order of assembly."""
+        return {
+            **self.pattern.document(),
+            "making": vars(self.bench.making),
+            "assembly": [
+                {"strip": step.strip, "backbone": step.backbone, "crossings": list(step.crossings)}
+                for step in self.order
+            ],
+        }
+
+    def save(self, path: str | PathLike[str], paper: str = "a4") -> tuple[Path, ...]:
+        """Write a file in the format of its ending, whole or not at all.
+
+        ``.svg`` and ``.dxf`` hold the sheets, ``.pdf`` pages to print, ``.csv`` the cut list, ``.json`` the
+        pattern, ``.glb`` the woven object and ``.html`` the guide. Where an SVG or a DXF needs several
+        sheets, each is a file of its own: ``torus-01.svg``, ``torus-02.svg`` and so on.
+
+        Parameters
+        ----------
+        path : of the file, in a folder that is there
+        paper : of a PDF, ``"a4"`` or ``"letter"``
+
+        Returns
+        -------
+        tuple
+            The paths of what was written.
+
+        Raises
+        ------
+        OutputError
+            If there is no format of that ending, or the file cannot be written there.
+        FieldError
+            If strips do not fit on the sheets, or their crossings are too dense to be labelled.
+        """
+        target = Path(path)
+        ending = target.suffix.lower()
+        if ending not in _WRITERS:
+            raise OutputError(
+                f"{target}: strips are saved by the ending of the name, which is one of "
+                f"{', '.join(_WRITERS)}, not '{target.suffix}'"
+            )
+        if paper not in PAPERS:
+            raise OutputError(f"there is no paper '{paper}'; the papers are {', '.join(PAPERS)}")
+        check_writable(target)
+        jobs = self.pdf_files(target.stem, paper) if ending == ".pdf" else self.files(ending, target.stem)
+        return tuple(written_together(jobs, target.parent).values())
+
+    def files(self, ending: str, stem: str) -> dict[str, Job]:
+        """What writes each file of a format, by its name; everything that may be refused is refused here.
+
+        Parameters
+        ----------
+        ending : of the names, such as ``".svg"``
+        stem : of the names; where there are several sheets their numbers follow it
+        """
+        return _WRITERS[ending](self, stem)
+
+    def pdf_files(self, stem: str, paper: str = "a4") -> dict[str, Job]:
+        """As `files`, for pages on a paper."""
+        pages, size, bench = self.pages(paper), PAPERS[paper], self.bench
+        return {
+            f"{stem}.pdf": lambda path: write_pdf(
+                path, self.pattern, pages, size, bench.paper_colours, bench.title
+            )
+        }
+
+    def _drawings(self, longest: float) -> list[Drawn]:
+        making = self.bench.making
+        return [drawn(self.pattern, piece, making) for piece in pieces_of(self.pattern, making, longest)]
+
+    def _standing(self, what: str) -> Mapping[str, Any]:
+        if self.space is None:
+            raise OutputError(
+                f"the {what} needs the weave itself, as a pattern has no places in space; make the layout of "
+                f"the weave, or leave the {what} out"
+            )
+        return self.space
+
+    def _numbered(self, stem: str) -> list[tuple[str, str, Sheet]]:
+        """Name of the file and title of each sheet."""
+        title, count = self.bench.title, len(self.sheets)
+        if count == 1:
+            return [(stem, title, self.sheets[0])]
+        return [
+            (f"{stem}-{number:02d}", f"{title}, sheet {number} of {count}", sheet)
+            for number, sheet in enumerate(self.sheets, 1)
+        ]
+
+    def _svg(self, stem: str) -> dict[str, Job]:
+        def job(sheet: Sheet, title: str) -> Job:
+            return lambda path: write_svg(path, self.pattern, sheet, self.bench.colours, title)
+
+        return {f"{name}.svg": job(sheet, title) for name, title, sheet in self._numbered(stem)}
+
+    def _dxf(self, stem: str) -> dict[str, Job]:
+        def job(sheet: Sheet) -> Job:
+            return lambda path: write_dxf(path, self.pattern, sheet, self.bench.colours)
+
+        return {f"{name}.dxf": job(sheet) for name, _, sheet in self._numbered(stem)}
+
+    def _csv(self, stem: str) -> dict[str, Job]:
+        found = cut_list(self.pattern, self.bench.making, self.bench.stock_length)
+        return {f"{stem}.csv": _text(found.text(self.pattern, self.order))}
+
+    def _json(self, stem: str) -> dict[str, Job]:
+        return {f"{stem}.json": _text(json.dumps(self.document(), indent=1, allow_nan=False) + "\n")}
+
+    def _glb(self, stem: str) -> dict[str, Job]:
+        space, families = self._standing("GLB"), self.bench.paper_colours.families
+        return {f"{stem}.glb": lambda path: write_glb(path, space, families)}
+
+    def _html(self, stem: str) -> dict[str, Job]:
+        space, bench = self._standing("guide"), self.bench
+        text = guide_html(self.pattern, space, bench.making, bench.title, bench.paper_colours, self.order)
+        return {f"{stem}.html": _text(text)}
+
+
+_WRITERS: dict[str, Callable[[StripLayout, str], dict[str, Job]]] = {
+    ".svg": StripLayout._svg,
+    ".dxf": StripLayout._dxf,
+    ".pdf": StripLayout.pdf_files,
+    ".csv": StripLayout._csv,
+    ".json": StripLayout._json,
+    ".glb": StripLayout._glb,
+    ".html": StripLayout._html,
+}
+
+
+def layout(weave: Pattern | WeaveLike, bench: Bench | None = None) -> StripLayout:
+    """Lay the strips of a weave out on sheets.
+
+    Everything that is cut is in millimetres. A weave is in the unit of its mesh until it is given a size:
+    ``weave.sized(size=200)`` makes its largest extent 200 mm, and what is relaxed from it then has that size
+    too. Without a size there is nothing to cut, and the weave is refused.
+
+    Parameters
+    ----------
+    weave : a weave in mm, as designed or at rest, the contents of its ``weave.json`` or ``relaxed.json``, or
+        a pattern
+    bench : how the strips are made; by default on one long sheet
+
+    Raises
+    ------
+    FieldError
+        If the weave is not in mm.
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0)
+    >>> sheets = gw.fabrication.layout(weave.sized(size=100.0))
+    >>> sum(len(sheet.laid) for sheet in sheets.sheets) == len(weave.ribbons)
+    True
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     [path.name for path in sheets.save(folder + "/cone.svg")]
+    ['cone.svg']
+    >>> gw.fabrication.layout(weave)
+    Traceback (most recent call last):
+    ...
+    geoweave.errors.FieldError: ... a pattern needs lengths in mm; ...
+    """
+    how = bench or Bench()
+    if isinstance(weave, Pattern):
+        return StripLayout(weave, how)
+    document = weave_document(weave)
+    return StripLayout(pattern_of(document), how, document)
+
+
+def _few(sheets: tuple[Sheet, ...]) -> tuple[Sheet, ...]:
+    if len(sheets) > MOST_SHEETS:
+        raise FieldError(
+            f"the pattern needs {len(sheets)} sheets, more than {MOST_SHEETS}; "
+            "make the object smaller or ask for fewer ribbons"
+        )
+    return sheets
+
+
+def _text(text: str) -> Job:
+    def job(path: Path) -> None:
+        path.write_text(text, encoding="utf-8", newline="\n")
+
+    return job
