@@ -23,9 +23,8 @@ from pathlib import Path
 
 import numpy as np
 
-from geoweave.meshing.prepare import read_mesh
-from geoweave.meshing.remesh import isotropic_remesh
-from geoweave.surface.mesh import TriMesh
+from geoweave.meshing import isotropic_remesh, read_mesh
+from geoweave.surface import TriMesh
 
 TARGET = Path(__file__).resolve().parent.parent / "geoweave" / "data"
 
@@ -134,7 +133,7 @@ def written(name: str, mesh: TriMesh) -> str:
 
 
 def one(folder: Path, pattern: str) -> Path:
-    """The only path in a folder that matches."""
+    """The one path in a folder that matches a pattern; there must be no other."""
     (found,) = folder.glob(pattern)
     return found
 

@@ -1,6 +1,7 @@
 """From a mesh file to a surface that can be worked on (Section 5.2), and back to a file.
 
-`read_mesh` reads and mends, `isotropic_remesh` makes triangles even, `write_mesh` writes.
+`read_mesh` reads a file and mends it, `prepare_arrays` mends arrays. `isotropic_remesh` covers a surface with
+even triangles. `write_mesh` writes a file.
 """
 
 import lazy_loader

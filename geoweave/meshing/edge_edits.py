@@ -1,6 +1,6 @@
-"""Split, collapse and flip the edges of a mesh, and slide its vertices. Nothing here changes the topology.
+"""Split, collapse and flip the edges of a mesh, and slide its vertices, without changing its topology.
 
-Each pass goes through a list of edges, in the order given, and changes the arrays of a `Patch` in place.
+Each pass goes through a list of edges in the order given, and changes the arrays of a `Patch` in place.
 """
 
 from __future__ import annotations
@@ -30,15 +30,27 @@ from geoweave.meshing.halfedge_patch import (
 )
 
 LONGER = 1.1
-"""How far a collapse may stretch a side that is too long already."""
+"""A collapse may stretch a side that is too long already by this factor, and no further."""
 
 NEEDLES = 0.5
-"""Share of its quality that a collapse may leave to a bad face: a fan of needles gets worse before better."""
+"""Share of its quality that a collapse must leave to a face that is bad already.
+
+Below 1, because the faces of a fan of needles get worse before they get better.
+"""
+
+SAME_CIRCLE = 1e-6
+"""An edge is flipped towards Delaunay where its two cotangents add up to less than minus this."""
+
+SAME_SIDE = 0.5
+"""Cosine of the farthest that the normal of a flipped face may turn from the mean normal of the two."""
+
+NO_ANGLE = 1e30
+"""Stands for the cotangent of an angle of zero."""
 
 
 @compiled
 def _joined(patch: Patch, a: int, b: int, ring: Indices) -> bool:
-    """Whether an edge joins two vertices (or nobody has room to tell)."""
+    """Whether an edge joins two vertices; also True where `a` has more faces than the ring has room for."""
     count, _ = corners_around(patch, a, ring)
     for i in range(count):
         if b in (patch.at[following(ring[i])], patch.at[preceding(ring[i])]):
@@ -100,7 +112,7 @@ def split_edges(
 
 @compiled
 def _may_close(patch: Patch, h: int, ring: Indices) -> bool:
-    """Whether the face of half-edge h may vanish with it: its apex keeps enough faces, no two curves meet."""
+    """Whether the face of half-edge h may be removed: its apex keeps enough faces, and no two curves meet."""
     n, b = following(h), preceding(h)
     if (patch.over[n] < 0 and patch.over[b] < 0) or (patch.marked[n] and patch.marked[b]):
         return False
@@ -110,7 +122,7 @@ def _may_close(patch: Patch, h: int, ring: Indices) -> bool:
 
 @compiled
 def _close(patch: Patch, h: int, keep: int) -> None:
-    """Remove the face of half-edge h and join the two edges that fall together; `keep` is at their end."""
+    """Remove the face of half-edge h and join its two other edges, which both end in `keep`."""
     n, b = following(h), preceding(h)
     x, y = patch.over[n], patch.over[b]
     mark = patch.marked[n] or patch.marked[b]
@@ -131,8 +143,8 @@ def _fits(
 ) -> bool:
     """Whether the two ends of an edge may both move to a place.
 
-    No side may get longer than `longest`, save those that are so already and hardly grow: the spokes of a
-    fan of needles stay long until its rim has been thinned.
+    No side may become longer than `longest`. A side that is longer already may grow by the factor `LONGER`:
+    in a fan of needles the long sides stay until the short ones have been collapsed.
     """
     for s in range(2):
         vertex, other, count = (drop, keep, here) if s == 0 else (keep, drop, there)
@@ -150,10 +162,10 @@ def _fits(
 def _collapse(
     patch: Patch, guide: Guide, h: int, keep: int, drop: int, longest: float, rings: Indices
 ) -> int:
-    """Pull the vertex `drop` into `keep` along half-edge h where nothing speaks against it.
+    """Move the vertex `drop` to `keep` along half-edge h, if that is allowed; return how many faces went.
 
-    Return how many faces went: the link condition and the apexes hold the topology, and no face may turn
-    over, become a sliver or get a side above `longest`.
+    The topology must stay (the link condition holds, and both apexes keep enough faces). No face may turn
+    over, become a sliver or get a side longer than `longest`.
     """
     points, kind, corner, at, over, marked = patch
     if kind[drop] == LOCKED or (kind[drop] == ON_CURVE and not marked[h]):
@@ -224,7 +236,7 @@ def collapse_edges(
 
 @compiled
 def _excess(patch: Patch, vertex: int, change: int, ring: Indices) -> int:
-    """Squared distance of a vertex from 6 faces, or 3 on the boundary, after a change; -1 if too few stay."""
+    """Squared difference from 6 faces (boundary: 3) of a vertex after a change; -1 if too few stay."""
     count, closed = corners_around(patch, vertex, ring)
     if count == 0:
         return 0
@@ -243,15 +255,15 @@ def _cotangent(a: Scalars, b: Scalars, c: Scalars) -> float:
     for k in range(3):
         inner += (b[k] - a[k]) * (c[k] - a[k])
     size = np.sqrt(x * x + y * y + z * z)
-    return float(inner / size) if size > 0.0 else 1e30
+    return float(inner / size) if size > 0.0 else NO_ANGLE
 
 
 @compiled
 def flip_edges(patch: Patch, delaunay: bool) -> int:
-    """Flip edges towards 6 faces per vertex, or towards Delaunay; return how many.
+    """Flip edges towards 6 faces per vertex, or towards Delaunay; return how many were flipped.
 
-    An edge is kept where it is marked, where the other diagonal exists already, or where a face would turn
-    over or become a sliver.
+    A marked edge stays, and so does one whose other diagonal is an edge already, or whose faces would turn
+    over or become slivers.
     """
     points, _, corner, at, over, marked = patch
     ring = np.empty(ROOM, dtype=np.int64)
@@ -263,7 +275,7 @@ def flip_edges(patch: Patch, delaunay: bool) -> int:
         a, b, c, d = at[following(h)], at[preceding(h)], at[h], at[g]
         if delaunay:
             gain = _cotangent(points[c], points[a], points[b]) + _cotangent(points[d], points[a], points[b])
-            if gain >= -1e-6:
+            if gain >= -SAME_CIRCLE:
                 continue
             if _excess(patch, a, -1, ring) < 0 or _excess(patch, b, -1, ring) < 0:
                 continue
@@ -284,7 +296,7 @@ def flip_edges(patch: Patch, delaunay: bool) -> int:
         vx, vy, vz, q4 = area_vector(points[d], points[b], points[c])
         if min(q3, q4) < min(FLOOR, min(q1, q2)) or min(q3, q4) <= 0.0:
             continue
-        if not (agree(sx, sy, sz, ux, uy, uz, 0.5) and agree(sx, sy, sz, vx, vy, vz, 0.5)):
+        if not (agree(sx, sy, sz, ux, uy, uz, SAME_SIDE) and agree(sx, sy, sz, vx, vy, vz, SAME_SIDE)):
             continue
         if _joined(patch, c, d, ring):
             continue
@@ -305,9 +317,9 @@ def flip_edges(patch: Patch, delaunay: bool) -> int:
 
 @compiled
 def relax_vertices(patch: Patch, guide: Guide) -> int:
-    """Slide every vertex towards the middle of its faces and back onto the surface, or along its curve.
+    """Slide each vertex towards the middle of its faces and back onto the surface, or along its curve.
 
-    A vertex stays where every move would turn a face over; return how many moved.
+    A vertex stays where it is if each step tried would turn a face over. Return how many moved.
     """
     ring = np.empty(ROOM, dtype=np.int64)
     moved = 0

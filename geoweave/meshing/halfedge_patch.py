@@ -1,8 +1,8 @@
-"""A triangle mesh under local edits, as flat arrays, and the questions that every edit asks of it.
+"""A triangle mesh that is being edited, as flat arrays, and the tests that every edit must pass.
 
-Half-edge (and corner) ``3 f + k`` lies opposite corner ``k`` of face ``f`` and runs from corner ``k + 1`` to
-corner ``k + 2``, as in `TriMesh`. Marked edges (the boundary and creases) form curves that stay curves:
-they are never flipped, and their vertices move along them only. Everything here is compiled.
+Half-edge ``3 f + k`` lies opposite corner ``k`` of face ``f`` and runs from corner ``k + 1`` to corner
+``k + 2``, as in `TriMesh`; the corner has the same number. Marked edges (the boundary and creases) form
+curves: they are never flipped, and their vertices move along them only. Every function here is compiled.
 """
 
 from __future__ import annotations
@@ -16,25 +16,26 @@ from geoweave.compiled import compiled
 from geoweave.surface import BoxTree, nearest
 
 FREE, ON_CURVE, LOCKED = 0, 1, 2
+"""Kinds of vertices: one that moves on the surface, one that moves along its curve, one that stays."""
 
 ROOM = 16_384
-"""A vertex with more faces than this is left alone until flips and splits have brought it down."""
+"""A vertex with more faces than this is not edited until flips and splits have given it fewer."""
 
 SLIVER = 0.05
-"""Faces below this quality have no normal to be trusted."""
+"""The normal of a face below this quality says nothing (1 equilateral, 0 flat)."""
 
 TURN = 0.3
-"""Cosine of the farthest that an edit may turn the normal of a face."""
+"""Cosine of the largest angle by which an edit may turn the normal of a face."""
 
 FLOOR = 0.3
-"""An edit must not leave a face below this quality (1 equilateral, 0 flat) that was above it."""
+"""An edit must not take a face from above this quality to below it."""
 
 DESPERATE = 0.05
-"""Share of its quality that a face may keep when a vertex gets back onto the surface in no better way."""
+"""Share of its quality that a face must keep where no better way takes a vertex back onto the surface."""
 
 
 class Patch(NamedTuple):
-    """A mesh under edit; dead faces have corners -1, dead vertices the corner -1."""
+    """A mesh under edit. A removed face has vertex -1 at its corners; a removed vertex has corner -1."""
 
     points: Vectors
     """(V, 3) positions."""
@@ -51,7 +52,7 @@ class Patch(NamedTuple):
 
 
 class Guide(NamedTuple):
-    """Where vertices may be: on the surface, on its rims (by direction), on its creases."""
+    """What vertices must lie on: the surface, its boundary (found by direction), its creases."""
 
     surface: BoxTree
     rims: BoxTree
@@ -100,7 +101,7 @@ def corners_around(patch: Patch, vertex: int, ring: Indices) -> tuple[int, bool]
 
 @compiled
 def area_vector(a: Scalars, b: Scalars, c: Scalars) -> tuple[float, float, float, float]:
-    """Twice the area vector of a triangle, and its quality 2 sqrt(3) |n| / (sum of squared sides)."""
+    """Twice the area vector n of a triangle, and its quality ``2 sqrt(3) |n| / (sum of squared sides)``."""
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     vx, vy, vz = c[0] - a[0], c[1] - a[1], c[2] - a[2]
     wx, wy, wz = vx - ux, vy - uy, vz - uz
@@ -118,7 +119,7 @@ def distance(a: Scalars, b: Scalars) -> float:
 
 @compiled
 def agree(ax: float, ay: float, az: float, bx: float, by: float, bz: float, cosine: float) -> bool:
-    """Whether two vectors are less than an angle apart."""
+    """Whether the angle between two vectors is smaller than the one with the given cosine."""
     size = float(np.sqrt((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz)))
     return ax * bx + ay * by + az * bz > cosine * size
 
@@ -127,10 +128,10 @@ def agree(ax: float, ay: float, az: float, bx: float, by: float, bz: float, cosi
 def may_move(
     patch: Patch, ring: Indices, count: int, vertex: int, place: Scalars, dying: int, worse: float
 ) -> bool:
-    """Whether a vertex may move to a place: no face turns over, becomes a sliver, or gets worse as a sliver.
+    """Whether a vertex may move to a place without turning a face over or making a sliver.
 
-    A face below the floor may keep as little as the share `worse` of its quality. Faces that contain the
-    vertex `dying` are not asked, for they go with it.
+    A face whose quality is below `FLOOR` must keep the share `worse` of it. Faces with the vertex `dying`
+    do not count, because they are about to be removed.
     """
     sx = sy = sz = 0.0
     for i in range(count):
@@ -155,7 +156,7 @@ def may_move(
 
 @compiled
 def _aim_within(patch: Patch, vertex: int, ring: Indices, count: int) -> tuple[Scalars, Scalars]:
-    """The area-weighted mean of the faces around a vertex, moved into its tangent plane, and its normal."""
+    """The area-weighted mean of the faces around a vertex, moved into the tangent plane, and the normal."""
     goal, normal = np.zeros(3), np.zeros(3)
     p = patch.points[vertex]
     total = 0.0
@@ -182,9 +183,9 @@ def _aim_within(patch: Patch, vertex: int, ring: Indices, count: int) -> tuple[S
 
 @compiled
 def _aim_along(patch: Patch, ring: Indices, count: int, closed: bool) -> tuple[Scalars, Scalars]:
-    """The middle between the two neighbours on a vertex's curve, and the direction of a rim.
+    """The middle between the two neighbours on a vertex's curve, and the direction of the boundary there.
 
-    Creases have no direction: there the second vector is zero.
+    A crease has no direction: there the second vector is zero.
     """
     goal, tangent = np.zeros(3), np.zeros(3)
     for i in range(count):
@@ -200,7 +201,7 @@ def _aim_along(patch: Patch, ring: Indices, count: int, closed: bool) -> tuple[S
 
 @compiled
 def aim(patch: Patch, vertex: int, ring: Indices, count: int, closed: bool) -> tuple[Scalars, Scalars]:
-    """Where a vertex would sit evenly among its neighbours, and the normal or direction to look along."""
+    """The place of a vertex evenly among its neighbours, and its normal, or the direction of its curve."""
     if patch.kind[vertex] == FREE:
         return _aim_within(patch, vertex, ring, count)
     return _aim_along(patch, ring, count, closed)
@@ -208,7 +209,10 @@ def aim(patch: Patch, vertex: int, ring: Indices, count: int, closed: bool) -> t
 
 @compiled
 def settle(patch: Patch, guide: Guide, vertex: int, closed: bool, facing: Scalars, place: Scalars) -> bool:
-    """Take a place to the closest point of what the vertex may be on; False where nothing faces its way."""
+    """Move a place to the closest point of what the vertex must lie on, and return whether there is one.
+
+    Only parts of the surface or boundary count that face the same way as `facing`.
+    """
     spot = place.copy()
     if patch.kind[vertex] == FREE:
         return nearest(guide.surface, spot, facing, place) >= 0
@@ -217,7 +221,10 @@ def settle(patch: Patch, guide: Guide, vertex: int, closed: bool, facing: Scalar
 
 @compiled
 def slide(patch: Patch, guide: Guide, vertex: int, ring: Indices) -> bool:
-    """Move a vertex towards its aim and onto the surface, by all, half, a quarter or none of the way."""
+    """Move a vertex towards its aim and back onto the surface; return whether a step was allowed.
+
+    The whole way is tried first, then half of it, a quarter, and at last none (back onto the surface only).
+    """
     count, closed = corners_around(patch, vertex, ring)
     if count == 0 or patch.kind[vertex] == LOCKED:
         return False

@@ -1,8 +1,8 @@
-"""OBJ, OFF and STL bytes as arrays, strictly: what is cut short or misspelt is refused with its line.
+"""OBJ, OFF and STL bytes as arrays; a file that is cut short or misspelt is refused with its line.
 
-These readers exist because a mesh that is silently different from its file is worse than an error: general
-readers accept an OFF file that ends early, take OBJ's vertex 0 for the first one, count OBJ's relative
-indices from the end of the file, and split vertices where texture coordinates change.
+These readers exist because a mesh that silently differs from its file is worse than an error. A general
+reader leaves out the faces that a cut OFF file lacks, takes OBJ's vertex 0 for another, counts OBJ's relative
+indices from the end of the file, and splits vertices where texture coordinates change.
 """
 
 from __future__ import annotations
@@ -75,7 +75,8 @@ def read_obj(data: bytes) -> RawMesh:
         raise MeshError(
             f"line {line}: a face names vertex {corners[first]}, but the file has vertices 1..{len(vertices)}"
         )
-    # The format announces no counts: a cut shows only in a last line without end and vertices left over.
+    # The format announces no counts. What shows that a file was cut short is a last line without an end
+    # together with vertices that no face uses.
     unused = len(vertices) - len(np.unique(index))
     if not text.endswith(b"\n") and unused > 0.05 * len(vertices):
         raise MeshError(

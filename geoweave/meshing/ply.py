@@ -1,4 +1,4 @@
-"""PLY bytes as arrays: text or binary of either byte order, polygons of any and mixed sizes."""
+"""PLY bytes as arrays: text or binary in either byte order, with polygons of any number of corners."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class _Element:
 
 
 def read_ply(data: bytes) -> RawMesh:
-    """Read the vertices and the faces of a PLY file; other elements and properties are stepped over."""
+    """Read the vertices and the faces of a PLY file; other elements and properties are left out."""
     order, elements, body = _read_header(data)
     source = _Tokens(data[body:]) if order == "=" else _Bytes(data[body:], order)
     vertices, corners, counts = None, np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
@@ -205,7 +205,10 @@ class _Bytes(_Tokens):
 def _scan_rows(
     units: NDArray[Any], at: int, rows: int, sizes: Indices, wanted: int, big_endian: bool
 ) -> tuple[Indices, Indices, int]:
-    """Walk over rows whose lengths are known only by walking; the position is -1 when the data end early."""
+    """Walk over rows, each of which says how long its lists are; the position is -1 if the data end early.
+
+    Return where the wanted list of each row begins, how long it is, and the position after the last row.
+    """
     starts, counts = np.zeros(rows, dtype=np.int64), np.zeros(rows, dtype=np.int64)
     for row in range(rows):
         for k in range(len(sizes)):

@@ -1,7 +1,7 @@
-"""From a mesh file, or loose arrays, to the surface of Section 4: what can be mended is, the rest is refused.
+"""From a mesh file, or loose arrays, to the surface of Section 4: mend what can be mended, refuse the rest.
 
-Every repair is counted in the report, every refusal names the file, the place and the remedy. No tolerance
-depends on the unit of the model or on where it lies.
+Each repair is counted in a report. A refusal names the file, the place and the remedy. No tolerance depends
+on the unit of the model or on where it lies.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from geoweave.surface import TriMesh
 Components = Literal["keep", "largest"]
 
 LARGEST_COORDINATE = 1e60
-"""Beyond this, or for a model smaller than its reciprocal, squares of areas leave double precision."""
+"""Coordinates above this, or a model smaller than its reciprocal, take squares of areas out of range."""
 
 MOST_ROUNDS = 50
-"""Of welding and flipping; each round undoes a part of every chain of faces without area."""
+"""Rounds of welding and flipping; each shortens every chain of faces without area."""
 
 UNEVEN = 2.0
-"""Longest edge that a weave takes as it is, in sides of as many equilateral triangles on the same area."""
+"""Longest edge that a weave takes as it is, in sides of as many equilateral triangles with the same area."""
 
 FEWEST = 2_000
-"""Triangles of the largest component that carry a weave; a surface with fewer is remeshed."""
+"""Least number of triangles of the largest component for a weave; a surface with fewer is remeshed."""
 
 COARSEST, FINEST = 4_000, 10_000
-"""Least number of triangles of the largest component of a surface that is remeshed for a weave, and the
-largest number of the whole surface."""
+"""A surface remeshed for a weave gets this many triangles on its largest component, at least; and this many
+in all, at most."""
 
 _SENTENCES = {
     "unreferenced_vertices": "dropped {} that no face uses",
@@ -102,7 +102,7 @@ class Prepared:
 def read_mesh(
     path: str | PathLike[str], *, components: Components = "keep", cut: bool = False, faces: int | None = None
 ) -> Prepared:
-    """Read a mesh file (OBJ, OFF, PLY, STL, or what trimesh reads) and mend it into a surface.
+    """Read a mesh file (OBJ, OFF, PLY, STL, or a format that trimesh reads) and mend it into a surface.
 
     Parameters
     ----------
@@ -114,7 +114,17 @@ def read_mesh(
     Raises
     ------
     MeshError
-        One line that names the file, the place and the remedy.
+        If the file cannot be read or mended: one line that names the file, the place and the remedy.
+
+    Examples
+    --------
+    >>> gw.read_mesh("cup.obj")
+    Traceback (most recent call last):
+    geoweave.errors.MeshError: cup.obj: there is no such file; check the path
+
+    See Also
+    --------
+    prepare_arrays : the same for arrays
     """
     raw = read_arrays(path)
     name = shown(path)
@@ -123,7 +133,20 @@ def read_mesh(
 
 
 def remeshed(prepared: Prepared, faces: int, *, name: str = "mesh") -> Prepared:
-    """Remesh isotropically to about the given number of triangles (Section 5.2) and note it in the report."""
+    """Remesh isotropically to about the given number of triangles (Section 5.2), and say so in the report.
+
+    Raises
+    ------
+    MeshError
+        As `isotropic_remesh`, with the name in front.
+
+    Examples
+    --------
+    >>> torus = gw.shapes.torus(faces=400)
+    >>> rough = gw.meshing.prepare_arrays(torus.vertices, torus.faces)
+    >>> gw.meshing.remeshed(rough, 200).report.sentences()
+    ['remeshed, from 420 faces']
+    """
     from geoweave.meshing.remesh import isotropic_remesh
 
     try:
@@ -136,11 +159,11 @@ def remeshed(prepared: Prepared, faces: int, *, name: str = "mesh") -> Prepared:
 def evened(prepared: Prepared, *, name: str = "mesh") -> Prepared:
     """Remesh a surface whose triangles are too uneven or too few to weave on; leave any other as it is.
 
-    The steepest edge sets how dense a weave is (footnote 4), so that one long edge makes the whole weave
-    coarse; the paper remeshes every input (Sections 5.2 and 6; DEVIATIONS.md, remeshed-first). Here one is
-    remeshed if its longest edge exceeds ``UNEVEN sqrt(4 A / (sqrt(3) F))``, A its area, or if fewer than
-    ``FEWEST`` triangles fall to its largest component: to as many as it has, at least ``COARSEST`` on that
-    component and at most ``FINEST`` in all, or more where its topology asks for more.
+    One long edge makes a whole weave coarse, because the steepest edge sets its density (footnote 4). The
+    paper remeshes every input (Sections 5.2 and 6; DEVIATIONS.md, remeshed-first). Here a surface is remeshed
+    if its longest edge exceeds ``UNEVEN sqrt(4 A / (sqrt(3) F))`` for the area A and F faces, or if its
+    largest component has fewer than ``FEWEST`` faces. It gets as many faces as it had, but at least
+    ``COARSEST`` on the largest component and at most ``FINEST`` in all; more where its topology needs more.
 
     Parameters
     ----------
@@ -151,6 +174,12 @@ def evened(prepared: Prepared, *, name: str = "mesh") -> Prepared:
     ------
     MeshError
         If no such number of triangles keeps the topology.
+
+    Examples
+    --------
+    >>> ball = gw.shapes.icosahedron()
+    >>> gw.meshing.evened(gw.meshing.prepare_arrays(ball.vertices, ball.faces)).mesh.n_faces > 3_900
+    True
     """
     mesh = prepared.mesh
     side = np.sqrt(4.0 * mesh.face_areas.sum() / (np.sqrt(3.0) * mesh.n_faces))
@@ -181,6 +210,12 @@ def prepare_arrays(
 
     The steps, in order: drop unused vertices, weld, drop degenerate and duplicate faces, choose components,
     orient, turn closed components outwards, and split vertices in which separate fans of faces meet.
+
+    Examples
+    --------
+    >>> square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    >>> gw.meshing.prepare_arrays(square, [[0, 1, 2], [0, 3, 2]]).report.sentences()
+    ['turned 1 face over']
     """
     if components not in ("keep", "largest"):
         raise ValueError(f"components is 'keep' or 'largest', not {components!r}")
@@ -227,7 +262,7 @@ def prepare_arrays(
 def _separated(
     points: Vectors, triangles: Triangles, edges: repairs.Edges, origin: Indices
 ) -> tuple[Vectors, Triangles, Indices, int]:
-    """Give every fan its own vertex and drop what no face uses; also returns how many vertices were added."""
+    """Give each fan its own vertex, drop vertices that no face uses; return also how many were added."""
     triangles, copies = repairs.separated_fans(triangles, edges)
     source = np.concatenate([np.arange(int(triangles.max()) + 1 - len(copies)), copies])
     kept, triangles = repairs.used_vertices(triangles, len(source))
@@ -283,10 +318,11 @@ def _welded_and_cleaned(points: Vectors, triangles: Triangles, count: dict[str, 
 
 
 def _weld_targets(points: Vectors, triangles: Triangles, edges: repairs.Edges, flat: Flags) -> Indices:
-    """(V,) vertex that each one is welded to: itself, unless that closes an open edge or removes a face.
+    """(V,) vertex that each one is welded to: itself, unless welding closes an open edge or removes a face.
 
-    Sheets that touch along an edge, each with its own vertices, are a surface as they are. Only a soup, such
-    as any STL file, has no connectivity of its own: there an edge of three faces is a fault to be told.
+    Sheets that touch along an edge, each with vertices of its own, are a surface as they are: they are not
+    welded where that would give an edge three faces. The triangles of a soup, such as any STL file, share no
+    vertices at all: there they are welded, and an edge of three faces is refused later.
     """
     target = repairs.coincident(points, triangles, edges, flat)
     numbers = np.arange(len(target))
@@ -346,7 +382,7 @@ def _check_size(points: Vectors, origin: Indices, name: str) -> None:
 
 
 def _check_soup(component: Indices, name: str) -> None:
-    """Refuse triangles that hang together nowhere."""
+    """Refuse a file most of whose triangles touch no other."""
     size = np.bincount(component)
     single = int((size == 1).sum())
     if len(component) > 1 and 2 * single > len(component):

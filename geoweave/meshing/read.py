@@ -1,4 +1,4 @@
-"""From a path to the arrays in the file: one place that turns whatever a reader raises into one sentence."""
+"""From a path to the arrays in the file; whatever a reader raises becomes one sentence here."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def _reader(kind: str, name: str) -> Callable[[Path], RawMesh]:
 
 
 def _read_with_trimesh(file: Path) -> RawMesh:
-    """Read through trimesh, and lay the parts of a scene out side by side."""
+    """Read through trimesh, with the parts of a scene where the scene places them."""
     import trimesh
 
     scene = trimesh.load_scene(str(file.absolute()), process=False, skip_materials=True)

@@ -1,8 +1,8 @@
-"""Isotropic remeshing: even, nearly equilateral triangles in a wanted number, on the same surface.
+"""Isotropic remeshing: cover the same surface with a wanted number of nearly equilateral triangles.
 
-The incremental remeshing of Botsch and Kobbelt, *A Remeshing Approach to Multiresolution Modeling* (2004):
-split long edges, collapse short ones, flip towards six faces per vertex, slide vertices inside the surface
-and bring them back onto it, over and over. The edge length follows the count of faces that results.
+This is the incremental remeshing of Botsch and Kobbelt, *A Remeshing Approach to Multiresolution Modeling*
+(2004). Each round splits long edges, collapses short ones, flips edges towards six faces per vertex, and
+slides vertices along the surface. The wanted edge length is adjusted until the number of faces is met.
 """
 
 from __future__ import annotations
@@ -20,25 +20,32 @@ LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0
 """Edges are split above and collapsed below these multiples of the wanted length (Botsch and Kobbelt)."""
 
 ROUNDS, FINISH = 10, 6
-"""Rounds of all edits, and rounds of flips and relaxation alone at the end."""
+"""Rounds with all edits, and rounds with flips and sliding alone at the end."""
+
+TRIMMED = 3
+"""Rounds at the end that also bring the number of faces to the wanted one."""
+
+STEADY = (0.7, 1.4)
+"""Least and largest factor by which one round may change the wanted edge length."""
 
 TOLERANCE = 0.05
-"""How far the number of faces may end from the wanted one."""
+"""Share by which the number of faces may differ from the wanted one."""
 
 CORNER = np.pi / 4
 """A curve that turns by more than this within half an edge length has a corner there, which stays."""
 
 _EVERYTHING = 2**62
+"""A number of faces that no budget ends at."""
 
 
 def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None = None) -> TriMesh:
     """Cover the surface of a mesh with about `faces` nearly equilateral triangles.
 
     The wanted edge length is ``h = sqrt(4 A / (sqrt(3) faces))`` for the area A. Vertices lie on the faces of
-    `mesh`, boundary vertices on its boundary (save one here or there on parts thinner than the triangles are
-    wide, where the way back would turn a face over); the corners of the boundary stay. The number of
+    `mesh` and boundary vertices on its boundary. On parts thinner than the triangles are wide a few may lie
+    off it, where moving them back would turn a face over. The corners of the boundary stay. The number of
     components, the genus and the number of boundary loops are those of `mesh`. The same input gives the same
-    result.
+    result. Section 5.2 of the paper remeshes its inputs in this way.
 
     Parameters
     ----------
@@ -50,8 +57,14 @@ def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None =
     Raises
     ------
     MeshError
-        If `faces` is less than 4, or if the topology of the surface does not allow so few faces: the number
-        that was reached within it is named.
+        If `faces` is less than 4, or if the topology of the surface does not allow so few faces; the message
+        names the number that was reached.
+
+    Examples
+    --------
+    >>> even = gw.isotropic_remesh(gw.shapes.cone(faces=800), 300)
+    >>> 285 <= even.n_faces <= 315, len(even.boundary_loops)
+    (True, 1)
     """
     if faces < 4:
         raise MeshError(f"cannot remesh to {faces} faces: ask for at least 4")
@@ -73,10 +86,10 @@ def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None =
             patch = closed_up(patch)
             flip_edges(patch, False)
         else:
-            patch = _trimmed(patch, guide, faces, length) if i < ROUNDS + 3 else patch
+            patch = _trimmed(patch, guide, faces, length) if i < ROUNDS + TRIMMED else patch
             flip_edges(patch, True)
         relax_vertices(patch, guide)
-        length *= float(np.clip(np.sqrt(len(patch.at) / (3.0 * faces)), 0.7, 1.4)) if i < ROUNDS else 1.0
+        length *= float(np.clip(np.sqrt(len(patch.at) / (3.0 * faces)), *STEADY)) if i < ROUNDS else 1.0
     flip_edges(patch, True)
     return _checked(mesh, TriMesh(placement.undo(patch.points), patch.at.reshape(-1, 3)), faces)
 
@@ -109,7 +122,7 @@ def _creases(mesh: TriMesh, feature_angle: float | None) -> Indices:
 
 
 def _lines(mesh: TriMesh, edges: Indices, *, directed: bool) -> BoxTree:
-    """The tree of some edges; where directed, each is found only by those who look along its way."""
+    """The search tree of some edges; a directed edge is found only by a search along its direction."""
     tree = segment_tree(mesh.vertices[mesh.edges[edges]])
     if not directed:
         return tree
@@ -118,7 +131,7 @@ def _lines(mesh: TriMesh, edges: Indices, *, directed: bool) -> BoxTree:
 
 
 def opened_patch(mesh: TriMesh, creases: Indices, length: float) -> Patch:
-    """The mesh as arrays to edit, its boundary and creases marked, the corners and ends of these locked."""
+    """The mesh as arrays to edit. Its boundary and creases are marked, their corners and ends are locked."""
     halfedges = mesh.edge_halfedges
     over = np.full(3 * mesh.n_faces, -1, dtype=np.int64)
     over[halfedges[:, 0]] = halfedges[:, 1]
@@ -135,7 +148,7 @@ def opened_patch(mesh: TriMesh, creases: Indices, length: float) -> Patch:
 
 
 def _kinds(mesh: TriMesh, curves: Indices, length: float) -> Indices:
-    """(V,) FREE off the curves, LOCKED where they end, branch or turn sharply, ON_CURVE elsewhere."""
+    """(V,) LOCKED where curves end, branch or turn sharply, ON_CURVE elsewhere on them, FREE off them."""
     ends = mesh.edges[curves]
     count = np.bincount(ends.ravel(), minlength=mesh.n_vertices)
     kind = np.where(count == 0, FREE, np.where(count == 2, ON_CURVE, LOCKED)).astype(np.int64)
@@ -151,10 +164,10 @@ def _kinds(mesh: TriMesh, curves: Indices, length: float) -> Indices:
 
 @compiled
 def _corners(points: Vectors, neighbors: Indices, reach: float) -> Flags:
-    """(V,) whether the curve through a vertex turns sharply there, and farthest within `reach` of it.
+    """(V,) whether the curve through a vertex turns sharply there, and nowhere more sharply within `reach`.
 
-    The turn is measured at the vertex and again between points `reach` along the curve to either side, so
-    that the steps of a jagged boundary are no corners.
+    The turn is the lesser of two: at the vertex itself, and between the points `reach` along the curve to
+    either side. So the steps of a jagged boundary are no corners.
     """
     sharp = np.zeros(len(points), dtype=np.bool_)
     turn = np.zeros(len(points))
@@ -234,7 +247,7 @@ def _trimmed(patch: Patch, guide: Guide, faces: int, length: float) -> Patch:
 
 
 def _grown(patch: Patch, splits: int) -> Patch:
-    """The patch with room for a number of splits."""
+    """The patch with room for so many splits."""
     vertices, corners = splits, 6 * splits
     return Patch(
         np.concatenate([patch.points, np.zeros((vertices, 3))]),
@@ -247,7 +260,7 @@ def _grown(patch: Patch, splits: int) -> Patch:
 
 
 def _cut(patch: Patch, vertices: int, faces: int) -> Patch:
-    """The patch without the room it has not used."""
+    """The patch without the room that was not used."""
     return Patch(
         patch.points[:vertices].copy(),
         patch.kind[:vertices].copy(),
@@ -259,7 +272,7 @@ def _cut(patch: Patch, vertices: int, faces: int) -> Patch:
 
 
 def closed_up(patch: Patch) -> Patch:
-    """The patch without its dead faces and vertices."""
+    """The patch without the faces and vertices that were removed."""
     alive, used = patch.at >= 0, patch.corner >= 0
     corner_now, vertex_now = np.cumsum(alive) - 1, np.cumsum(used) - 1
     over = patch.over[alive]

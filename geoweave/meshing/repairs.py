@@ -1,7 +1,7 @@
-"""Repairs of a triangle soup's arrays, one function each; all of them whole-array operations.
+"""Repairs of loose triangles, one function each.
 
 Faces are (F, 3) vertex indices in any orientation. Half-edge ``k`` of a face lies opposite its corner ``k``.
-Coordinates only enter through ratios, so the unit and the place of the model do not matter.
+Tolerances are relative to the model, so that its unit and its place do not matter.
 """
 
 from __future__ import annotations
@@ -18,13 +18,16 @@ FLAT = 2.0 * SMALLEST_ASPECT
 """A face is flat when its area is at most this share of its longest edge squared; stricter than `TriMesh`."""
 
 ROUNDING = 4 * float(np.finfo(np.float64).eps)
-"""Share of its coordinates by which a vertex can be off its place; it matters far from the origin."""
+"""Error of a coordinate, relative to its size; it matters where a model lies far from the origin."""
 
 COINCIDENT = 1e-7
 """Open vertices closer than this share of the model, or of a flat face's longest edge, are one vertex.
 
-It is what is left of single precision, in which STL and most PLY files are written.
+STL and most PLY files are written in single precision, whose error is about this share.
 """
+
+INWARD = 1e-9
+"""A closed component faces inwards if its volume is negative by more than this share of its area^1.5."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +83,7 @@ def repeated(faces: Triangles) -> Flags:
 
 
 def duplicates(faces: Triangles) -> Flags:
-    """(F,) faces with the same three vertices as an earlier one, in whatever order."""
+    """(F,) faces with the same three vertices as an earlier one, in any order."""
     corners = np.sort(faces, axis=1)
     order = np.lexsort(corners.T)  # stable, so the earliest face of a group comes first
     found = np.zeros(len(faces), dtype=bool)
@@ -96,7 +99,7 @@ def shapes_of(vertices: Vectors, faces: Triangles) -> tuple[Scalars, Scalars]:
 
 
 def flat(vertices: Vectors, faces: Triangles) -> Flags:
-    """(F,) faces without area, or with no more than the rounding of their coordinates could make."""
+    """(F,) faces without area, or with no more area than the rounding of coordinates could cause."""
     lengths, areas = shapes_of(vertices, faces)
     longest = lengths.max(axis=1, initial=0.0)
     rounding = ROUNDING * np.abs(vertices[faces]).max(axis=(1, 2), initial=0.0)
@@ -134,7 +137,7 @@ def coincident(vertices: Vectors, faces: Triangles, edges: Edges, flat_faces: Fl
 
 
 def _close_pairs(vertices: Vectors, candidates: Indices, distance: float) -> Indices:
-    """Pairs of candidates that lie within a distance, enough of them to connect all that do."""
+    """Pairs of candidates that lie within a distance; points in the same place are joined in a chain."""
     points = vertices[candidates]
     order = np.lexsort(points.T)
     same = (points[order[1:]] == points[order[:-1]]).all(axis=1)
@@ -150,10 +153,10 @@ def _close_pairs(vertices: Vectors, candidates: Indices, distance: float) -> Ind
 
 
 def flip_caps(vertices: Vectors, faces: Triangles, edges: Edges, bad: Flags) -> tuple[Triangles, int]:
-    """Remove flat faces whose apex lies on their longest edge by flipping that edge, without opening a slit.
+    """Flip the longest edge of flat faces whose apex lies on it; this removes the face and opens no slit.
 
-    Returns the new faces, and how many edges were flipped in this round; several may be needed, because
-    the flips of one round keep clear of each other.
+    Return the new faces, and how many edges were flipped. Edges whose flips would touch the same face, or
+    make the same new edge, are left for another round.
     """
     pairs = edges.manifold_pairs
     pairs = pairs[bad[pairs[:, 0] // 3] | bad[pairs[:, 1] // 3]]
@@ -183,9 +186,9 @@ def flip_caps(vertices: Vectors, faces: Triangles, edges: Edges, bad: Flags) -> 
 def orientation(faces: Triangles, edges: Edges) -> tuple[Flags, Indices]:
     """Which faces to turn over so that neighbours agree, and the faces where that is impossible.
 
-    Every face stands for two nodes, as it is and turned over; nodes that agree across an edge are connected.
-    An orientable component falls into two mirror images, a one-sided one stays in one piece. Of the two, the
-    one that leaves more faces as they are is taken.
+    Each face gives two nodes of a graph: as it is, and turned over. Nodes that agree across an edge are
+    linked. An orientable component gives two components of the graph, each with all its faces; the one that
+    turns fewer faces over is taken. A one-sided component gives one.
     """
     n = len(faces)
     first, second = edges.manifold_pairs.T
@@ -209,17 +212,17 @@ def inside_out(vertices: Vectors, faces: Triangles, edges: Edges) -> Flags:
     bounded = np.zeros(n, dtype=bool)
     bounded[component[np.flatnonzero(edges.counts[edges.of_halfedge] == 1) // 3]] = True
     _, first = np.unique(component, return_index=True)
-    origin = vertices[faces[first, 0]][component]  # on the component, so that a far-off model loses no digits
+    origin = vertices[faces[first, 0]][component]  # a point of the component: far from 0, digits are lost
     a, b, c = (vertices[faces[:, k]] - origin for k in range(3))
     volume = np.bincount(component, np.einsum("fx,fx->f", a, np.cross(b, c)) / 6.0, n)
     area = np.bincount(component, shapes_of(vertices, faces)[1], n)
-    return ((volume < -1e-9 * area**1.5) & ~bounded)[component]
+    return ((volume < -INWARD * area**1.5) & ~bounded)[component]
 
 
 def separated_fans(faces: Triangles, edges: Edges) -> tuple[Triangles, Indices]:
-    """Give every fan of faces around a vertex its own vertex.
+    """Give each fan of faces around a vertex a vertex of its own.
 
-    Fans are joined only over edges that exactly two faces share.
+    Two faces belong to the same fan if they share an edge that no third face has.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""A surface as a mesh file that other programs read, with every digit of its coordinates."""
+"""Write a surface as a mesh file that other programs read; no digit of its coordinates is lost."""
 
 from __future__ import annotations
 
@@ -15,7 +15,14 @@ WRITTEN = (".obj", ".off", ".ply")
 
 
 def check_format(path: str | PathLike[str]) -> None:
-    """Raise OutputError if the extension names no format that can be written."""
+    """Raise OutputError if the extension names no format that can be written.
+
+    Examples
+    --------
+    >>> gw.meshing.check_format("cup.stl")
+    Traceback (most recent call last):
+    geoweave.files.OutputError: cup.stl: a mesh is written as .obj, .off, .ply; choose one of these endings
+    """
     if Path(path).suffix.lower() not in WRITTEN:
         raise OutputError(f"{path}: a mesh is written as {', '.join(WRITTEN)}; choose one of these endings")
 
@@ -27,6 +34,14 @@ def write_mesh(mesh: TriMesh, path: str | PathLike[str]) -> None:
     ------
     OutputError
         If the extension is another, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     gw.meshing.write_mesh(gw.shapes.icosahedron(), f"{folder}/ball.off")
+    ...     gw.read_mesh(f"{folder}/ball.off").mesh.n_faces
+    20
     """
     check_format(path)
     kind = Path(path).suffix.lower()
@@ -47,6 +62,7 @@ def write_mesh(mesh: TriMesh, path: str | PathLike[str]) -> None:
 
 
 def _ply_header(mesh: TriMesh) -> bytes:
+    """The header that announces what follows in a binary PLY file."""
     lines = [
         "ply",
         "format binary_little_endian 1.0",
