@@ -1,13 +1,11 @@
+from .curve_crossings import Crossings as Crossings, crossings as crossings
 from .curves import (
+    Curve as Curve,
     Curves as Curves,
     bending as bending,
     geodesic_curvature as geodesic_curvature,
     lifted as lifted,
 )
-from .straightest_geodesics import (
-    Crossings as Crossings,
-    crossings as crossings,
-    straightest as straightest,
-    taken as taken,
-)
+from .straightest_geodesics import straightest as straightest
+from .stretch import stretches as stretches
 from .tracing import streamlines as streamlines

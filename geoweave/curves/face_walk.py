@@ -1,7 +1,7 @@
 """Walking over a surface from face to face, exactly: straight inside a face, unfolded across an edge.
 
-Everything here is compiled and works on the flat arrays of `Ground`. A place on the surface is a face and a
-complex number in the frame of that face whose origin is the face's corner 0.
+The walks are compiled and work on the flat arrays of `Ground`. A place on the surface is a face and a complex
+number in the frame of that face, whose origin is the face's corner 0.
 """
 
 from __future__ import annotations
@@ -59,6 +59,14 @@ def ground(mesh: TriMesh, values: Complexes, guard: Scalars) -> Ground:
         across.reshape(-1, 3), mesh.halfedge_vectors, field, mesh.faces, mesh.vertices, mesh.frames,
         mesh.face_normals, around, guard,
     )  # fmt: skip
+
+
+def planar(mesh: TriMesh, faces: Indices, vectors: Vectors) -> Complexes:
+    """(n,) coordinates of vectors in the frames of faces; the part normal to the face is dropped."""
+    frames = mesh.frames[faces]
+    return np.asarray(
+        np.einsum("px,px->p", vectors, frames[:, 0]) + 1j * np.einsum("px,px->p", vectors, frames[:, 1])
+    )
 
 
 @compiled

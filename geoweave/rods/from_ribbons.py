@@ -21,7 +21,7 @@ from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen, parallel_t
 from geoweave.errors import RodError
 from geoweave.rods.rod_file import Rod, RodCrossing, RodFile
 from geoweave.rods.rods import Contacts, Layout, Material, Rods
-from geoweave.weave import Crossings, Ribbons, interlacing
+from geoweave.weave import Passages, Ribbons, interlacing, merged
 
 __all__ = ["FINENESS", "ends_on", "file_of_rods", "rods_of_file", "rods_of_polylines", "rods_of_ribbons"]
 
@@ -77,13 +77,13 @@ def rods_of_ribbons(
         if not (np.isfinite(value) and value > 0):
             raise RodError(f"the {name} of the rods is {value:g}; give a positive number")
     material = Material(thickness, young, poisson, density)
-    curves, met = ribbons.curves, ribbons.crossings
+    curves = ribbons.curves
     bounds = list(zip(curves.offsets[:-1], curves.offsets[1:], strict=True))
     return rods_of_polylines(
         [curves.points[start:end] for start, end in bounds],
         [curves.normals[start:end] for start, end in bounds],
         # Every crossing keeps a ribbon number and an arclength, which is all that contacts are made of.
-        Crossings(met.curves, met.arclength, curves.closed),
+        ribbons.passages,
         np.asarray(over, dtype=np.int64),
         width,
         material,
@@ -94,7 +94,7 @@ def rods_of_ribbons(
 def rods_of_polylines(
     lines: Sequence[Vectors],
     normals: Sequence[Vectors],
-    crossings: Crossings,
+    crossings: Passages,
     over: Indices,
     width: float,
     material: Material,
@@ -259,7 +259,7 @@ def _without(
 
 def _joined(
     chains: Sequence[_Chain],
-    crossings: Crossings,
+    crossings: Passages,
     over: Indices,
     material: Material,
     near: float,
@@ -276,8 +276,8 @@ def _joined(
     edges = points[end] - points[start]
     rest = np.linalg.norm(edges, axis=1)
     whole = np.array([chain.knots[-1] - chain.knots[0] for chain in chains])
-    merge = interlacing.merged(crossings, near, whole)
-    kept = merge.crossings
+    merge = merged(crossings, near, whole)
+    kept = merge.passages
     segments, places = _located(chains, layout, kept.ribbons, kept.arclengths)
     apart = segments[:, 0] != segments[:, 1]
     group = np.where(apart, np.cumsum(apart) - 1, -1)[merge.group]

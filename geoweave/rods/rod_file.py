@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import RodError
 from geoweave.files import replacing
-from geoweave.weave import Crossings
+from geoweave.weave import Passages
 
 __all__ = [
     "MAGIC",
@@ -189,8 +189,8 @@ class RodFile:
             if problem:
                 raise RodError(f"crossing {number} {problem}; correct or remove it")
 
-    def placed(self) -> Crossings:
-        """Return the crossings by rod and arclength, as `geoweave.weave.interlacing` takes them."""
+    def placed(self) -> Passages:
+        """Return the crossings by rod and arclength, as over and under need them."""
         ends = [np.concatenate([[0.0], np.cumsum(rod.lengths)]) for rod in self.rods]
         arclengths = [
             [
@@ -201,7 +201,7 @@ class RodFile:
         ]
         ribbons = np.array([one.rods for one in self.crossings], dtype=np.int64).reshape(-1, 2)
         closed = np.array([rod.closed for rod in self.rods], dtype=bool)
-        return Crossings(ribbons, np.array(arclengths, dtype=np.float64).reshape(-1, 2), closed)
+        return Passages(ribbons, np.array(arclengths, dtype=np.float64).reshape(-1, 2), closed)
 
 
 def _first(flags: ArrayLike) -> int:

@@ -14,7 +14,7 @@ from geoweave.arrays import Scalars, Vectors, frozen
 from geoweave.errors import GeoweaveError, WeaveFileError
 from geoweave.rods.from_ribbons import FINENESS, rods_of_polylines
 from geoweave.rods.rods import Material, Rods
-from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, Crossings
+from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, Passages
 
 __all__ = ["WovenRods", "at_rest", "read_weave", "rods_of_document"]
 
@@ -99,7 +99,7 @@ def rods_of_document(document: Mapping[str, Any], name: str = "weave.json") -> W
         rods = rods_of_polylines(
             lines,
             normals,
-            Crossings(np.array(pairs), np.array(places) / scale, closed),
+            Passages(np.array(pairs), np.array(places) / scale, closed),
             np.array(over, dtype=np.int64),
             width / scale,
             Material(thickness / scale, YOUNG),

@@ -15,7 +15,7 @@ from geoweave.rods import Contacts, Layout, Material, Rods
 from geoweave.sparse import factorization
 from geoweave.twin.pattern_surface import PatternSurface
 from geoweave.twin.placement import crossing_normals
-from geoweave.weave import Crossings, interlacing
+from geoweave.weave import Passages, merged
 
 __all__ = ["PIECES", "Cut", "LaidStrips", "cut", "laid"]
 
@@ -68,7 +68,7 @@ def cut(pattern: Pattern) -> Cut:
     whole = np.clip(np.floor(at).astype(np.int64), 0, counts[owner] - 1)
     segments = layout.segment_offsets[owner] + whole
     # Two strips that cross twice within a width of each lie on each other there, and cannot change sides.
-    merge = interlacing.merged(Crossings(owner, pattern.at, closed), pattern.width, lengths)
+    merge = merged(Passages(owner, pattern.at, closed), pattern.width, lengths)
     apart = segments[merge.kept, 0] != segments[merge.kept, 1]
     return Cut(
         layout,

@@ -3,7 +3,7 @@ from .body import SECTIONS as SECTIONS, Body as Body, Centreline as Centreline, 
 from .cover import Cover as Cover, branched_cover as branched_cover
 from .design import WeaveField as WeaveField, weave_field as weave_field, weave_pattern as weave_pattern
 from .inspection import Inspection as Inspection, inspected as inspected
-from .interlacing import Crossings as Crossings
+from .passages import Passages as Passages, merged as merged
 from .ribbons import Ribbons as Ribbons
 from .validity import violations as violations
 from .weave import WEAVE_FORMAT as WEAVE_FORMAT, WEAVE_VERSION as WEAVE_VERSION, Weave as Weave

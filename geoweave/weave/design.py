@@ -133,10 +133,7 @@ class WeaveField:
         else:
             made, tried = self._nearest(ribbons, cutting, tries, stages)
         stages.begin("interlacing")
-        met = made.ribbons.crossings
-        sides = interlacing.optimal(
-            interlacing.Crossings(met.curves, met.arclength, made.ribbons.curves.closed), time_limit
-        )
+        sides = interlacing.optimal(made.ribbons.passages, time_limit)
         stages.begin("")
         width = default_width(made.ribbons.spacing, self.symmetry)
         return Weave(

@@ -15,7 +15,8 @@ from geoweave.errors import FieldError
 from geoweave.files import replacing
 from geoweave.foliation import Foliation
 from geoweave.surface import Similarity, TriMesh
-from geoweave.weave.interlacing import Crossings, Interlacing, greedy
+from geoweave.weave.interlacing import Interlacing, greedy
+from geoweave.weave.passages import Passages
 from geoweave.weave.ribbons import Ribbons
 
 __all__ = ["WEAVE_FORMAT", "WEAVE_VERSION", "Units", "Weave", "default_width", "family_count", "labels"]
@@ -118,10 +119,9 @@ class Weave:
         return labels(self.families)
 
     @property
-    def passages(self) -> Crossings:
-        """The crossings as the order in which each ribbon meets the others."""
-        met = self.ribbons.crossings
-        return Crossings(met.curves, met.arclength, self.ribbons.curves.closed)
+    def passages(self) -> Passages:
+        """The crossings in the order in which each ribbon meets the others."""
+        return self.ribbons.passages
 
     @property
     def crossing_angles(self) -> Scalars:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from geoweave.arrays import Scalars
-from geoweave.weave import interlacing
 from geoweave.weave.weave import Weave
 
 __all__ = ["Neighbours", "widths_that_fit"]
@@ -33,10 +32,9 @@ class Neighbours:
     """Pairs of crossings that follow each other on a ribbon."""
 
     def __init__(self, weave: Weave) -> None:
-        met, curves = weave.ribbons.crossings, weave.ribbons.curves
-        passing = interlacing.Crossings(met.curves, met.arclength, curves.closed)
-        here = passing.passages[passing.following[passing.passages] >= 0]
-        there = passing.following[here]
+        met, curves, passages = weave.ribbons.crossings, weave.ribbons.curves, weave.ribbons.passages
+        here = passages.order[passages.following[passages.order] >= 0]
+        there = passages.following[here]
         self.ribbon = met.curves.ravel()[here]
         self.first, self.second = here // 2, there // 2
         self.others = np.stack([met.curves.ravel()[here ^ 1], met.curves.ravel()[there ^ 1]], axis=1)
@@ -46,7 +44,7 @@ class Neighbours:
         apart = np.where(apart <= 0, apart + curves.lengths[self.ribbon], apart)
         turned = np.stack([met.angle, -met.angle], axis=1).ravel()
         self.widths = widths_that_fit(apart, turned[here], turned[there])
-        self.triangles = passing.triples
+        self.triangles = passages.triples
 
     def fitting(self, share: float) -> float:
         """Return the largest width at which this share of the pairs fits."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave.curves.straightest_geodesics import crossings
+from geoweave.curves.curve_crossings import crossings
 from geoweave.fields.face_field import total_curl
 from geoweave.fields.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
 from geoweave.fields.operators import connection_laplacian

@@ -10,8 +10,8 @@ import pytest
 from geoweave.comparisons.field_baselines import anti_holomorphic_field, fitted_curl, pottmann_field
 from geoweave.comparisons.great_circles import meridian_angle, meridian_axis
 from geoweave.comparisons.singular_curves import singular_lines
+from geoweave.curves.curve_crossings import crossings
 from geoweave.curves.curves import Curves, bending
-from geoweave.curves.straightest_geodesics import crossings
 from geoweave.curves.tracing import streamlines
 from geoweave.fields.face_field import FaceField, total_curl
 from geoweave.fields.geodesic import geodesic_field

@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from geoweave.curves.curve_crossings import crossings
 from geoweave.curves.curves import Curves, geodesic_curvature
-from geoweave.curves.straightest_geodesics import crossings, straightest
+from geoweave.curves.straightest_geodesics import straightest
 from geoweave.curves.tracing import streamlines
 from geoweave.fields.face_field import FaceField
 from geoweave.fields.operators import differences

@@ -6,45 +6,29 @@ import numpy as np
 import potpourri3d
 import pytest
 import trimesh
-from surfaces import surface
+from surfaces import scattered, surface, uneven_square
 
 from geoweave.curves.curves import Curves, geodesic_curvature
-from geoweave.curves.straightest_geodesics import crossings, straightest
+from geoweave.curves.straightest_geodesics import straightest
 from geoweave.errors import FieldError
-from geoweave.foliation.circle_function import TURN, CircleFunction
-from geoweave.foliation.level_sets import isolines
+from geoweave.foliation.circle_function import TURN
 from geoweave.models import shapes
 from geoweave.surface.mesh import TriMesh
 
 BOX = trimesh.creation.box()
 
 
-@pytest.fixture(scope="module")
-def uneven() -> TriMesh:
-    """A flat square of uneven triangles."""
-    flat = shapes.square(faces=800)
-    inner = ~flat.boundary_vertices[:, None]
-    shake = np.random.default_rng(2).uniform(-0.03, 0.03, flat.vertices.shape) * [1, 1, 0]
-    return TriMesh(flat.vertices + inner * shake, flat.faces)
-
-
-def scattered(mesh: TriMesh, count: int, length: float, seed: int = 0, behind: float = 0.0) -> Curves:
-    rng = np.random.default_rng(seed)
-    faces, directions = rng.integers(mesh.n_faces, size=count), rng.normal(size=(count, 3))
-    return straightest(mesh, faces, directions, length, behind=behind)
-
-
 def ends(curves: Curves) -> np.ndarray:
     return curves.points[curves.offsets[1:] - 1]
 
 
-def test_in_a_plane_they_are_straight(uneven):
+def test_in_a_plane_they_are_straight():
     rng = np.random.default_rng(1)
-    faces = rng.integers(uneven.n_faces, size=60)
+    faces = rng.integers(uneven_square().n_faces, size=60)
     heading = np.insert(rng.normal(size=(60, 2)), 2, rng.normal(size=60), axis=1)
-    curves = straightest(uneven, faces, heading, 0.5, behind=0.3)
+    curves = straightest(uneven_square(), faces, heading, 0.5, behind=0.3)
     flat = heading * [1, 1, 0] / np.linalg.norm(heading[:, :2], axis=1, keepdims=True)
-    start = uneven.barycenters[faces]
+    start = uneven_square().barycenters[faces]
     off = np.cross(curves.points - start[curves.curve_of_point], flat[curves.curve_of_point])
     assert np.abs(off).max() < 1e-7  # passing within 1e-9 of a vertex moves a point aside
     whole = np.isclose(curves.lengths, 0.8)
@@ -193,93 +177,3 @@ def test_what_cannot_be_traced_is_refused():
     face, middle = mesh.edge_faces[rim, 0], mesh.vertices[mesh.edges[rim]].mean(axis=0)
     with pytest.raises(FieldError, match="heads outwards"):
         straightest(mesh, [face], [middle], 1.0, points=[middle])
-
-
-# -- crossings ------------------------------------------------------------------------------------------
-
-
-def test_all_crossings_of_lines_in_a_plane(uneven):
-    curves = scattered(uneven, 60, 1.0, seed=3, behind=0.4)
-    found = crossings(curves)
-    a, b = curves.points[curves.offsets[:-1], :2], ends(curves)[:, :2]
-    expected = []
-    for i in range(60):
-        for j in range(i + 1, 60):
-            s, t = np.linalg.solve(np.stack([b[i] - a[i], a[j] - b[j]], axis=1), a[j] - a[i])
-            if 0 < s < 1 and 0 < t < 1:
-                turn = np.cross(np.append(b[i] - a[i], 0), np.append(b[j] - a[j], 0))[2]
-                expected.append(
-                    (i, j, s * np.linalg.norm(b[i] - a[i]), t * np.linalg.norm(b[j] - a[j]), turn)
-                )
-    assert len(expected) > 200
-    listed = sorted(zip(*found.curves.T, *found.arclength.T, found.angle, strict=True))
-    assert [each[:2] for each in listed] == [each[:2] for each in expected]
-    np.testing.assert_allclose([each[2:4] for each in listed], [each[2:4] for each in expected], atol=1e-6)
-    assert np.array_equal(np.sign([each[4] for each in listed]), np.sign([each[4] for each in expected]))
-    direction = (b - a) / np.linalg.norm(b - a, axis=1, keepdims=True)
-    cosine = np.einsum("nx,nx->n", direction[found.curves[:, 0]], direction[found.curves[:, 1]])
-    np.testing.assert_allclose(np.cos(found.angle), cosine, atol=1e-6)
-    np.testing.assert_allclose(
-        found.points[:, :2],
-        a[found.curves[:, 0]] + found.arclength[:, :1] * direction[found.curves[:, 0]],
-        atol=1e-6,
-    )
-
-
-def test_crossings_on_an_edge_count_once():
-    mesh = shapes.square(faces=800)  # edges on the lines x = 0.1 k
-    near = [
-        int(np.argmin(np.linalg.norm(mesh.barycenters - [x, y, 0], axis=1))) for x, y in ((0, 0), (0, 0.1))
-    ]
-    way = np.array([0.1, 0.043, 0.0]) - mesh.barycenters[near]
-    curves = straightest(mesh, near, way, 0.3)
-    found = crossings(curves)
-    assert len(found) == 1
-    np.testing.assert_allclose(found.points[0], [0.1, 0.043, 0.0], atol=1e-12)
-    np.testing.assert_allclose(found.arclength[0], np.linalg.norm(way, axis=1), atol=1e-12)
-
-
-def test_a_geodesic_of_a_torus_crosses_itself():
-    mesh = shapes.torus(1.0, 0.4, faces=6000)
-    curves = straightest(mesh, [0], [[0.3, 1.0, 1.0]], 30.0)
-    found = crossings(curves)
-    assert len(found) > 5
-    assert (found.curves == 0).all()
-    assert (found.arclength[:, 0] < found.arclength[:, 1]).all()
-    assert (np.diff(found.arclength[:, 0]) >= 0).all()
-    # the same place from either arc length
-    for k in (0, 1):
-        share = (found.arclength[:, k] - curves.arclength[found.segments[:, k]]) / curves.segment_lengths[
-            found.segments[:, k]
-        ]
-        place = curves.points[found.segments[:, k]] + share[:, None] * curves.segments[found.segments[:, k]]
-        np.testing.assert_allclose(place, found.points, atol=1e-9)
-
-
-def test_great_circles_cross_twice():
-    ball = shapes.sphere(faces=20480)
-    curves = scattered(ball, 80, TURN - 0.3, seed=8)
-    count = np.zeros((80, 80), dtype=int)
-    other = crossings(curves).curves
-    other = other[other[:, 0] != other[:, 1]]
-    np.add.at(count, tuple(other.T), 1)
-    upper = count[np.triu_indices(80, 1)]
-    # a gap of 0.3 each hides about a tenth of the crossings; facets add hardly any
-    assert upper.mean() == pytest.approx(2 * (1 - 0.3 / TURN) ** 2, abs=0.05)
-    assert upper.max() <= 3
-
-
-@pytest.mark.parametrize("name", ["jagged sphere", "genus 5", "disk"])
-def test_level_sets_never_cross_not_even_in_dislocated_faces(name):
-    mesh = surface(name)
-    rng = np.random.default_rng(9)
-    theta, change = rng.uniform(0, TURN, mesh.n_vertices), rng.normal(0, 12.0, mesh.n_edges)
-    circle = CircleFunction.nearest(mesh, theta, change)
-    assert circle.dislocated.mean() > 0.3
-    assert len(crossings(isolines(circle, (1.0,)))) == 0
-
-
-def test_nothing_crosses_where_there_is_nothing():
-    mesh = surface("disk")
-    none = isolines(CircleFunction(mesh, np.zeros(mesh.n_vertices), np.zeros(mesh.n_edges)))
-    assert len(crossings(none)) == 0

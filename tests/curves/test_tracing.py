@@ -7,8 +7,8 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
+from geoweave.curves.curve_crossings import crossings
 from geoweave.curves.curves import Curves, geodesic_curvature
-from geoweave.curves.straightest_geodesics import crossings
 from geoweave.curves.tracing import streamlines
 from geoweave.errors import FieldError
 from geoweave.fields.face_field import FaceField, random_field

@@ -14,7 +14,7 @@ from geoweave.models import shapes
 from geoweave.pipeline.weave_folder import FORMATS, check_formats, listed_files, rod_file, write_weave
 from geoweave.rods.rod_file import read_rods
 from geoweave.weave.design import weave_pattern
-from geoweave.weave.interlacing import Crossings
+from geoweave.weave.passages import Passages
 from geoweave.weave.weave import Weave
 
 
@@ -46,7 +46,7 @@ def test_rods_are_the_ribbons_in_the_unit_of_the_weave(tmp_path: Path) -> None:
         assert rod.lengths.sum() == pytest.approx(length, rel=0.02)  # chords of equal pieces
     assert [rod.color for rod in content.rods] == weave.families.tolist()
     placed, met = content.placed(), weave.ribbons.crossings
-    assert isinstance(placed, Crossings)
+    assert isinstance(placed, Passages)
     assert len(placed) <= len(met)
     # the two places of a contact lie on each other, but for the chords
     for one in content.crossings:

@@ -4,14 +4,16 @@ import numpy as np
 import pytest
 from rodded import circle
 
+from geoweave.curves.curve_crossings import crossings
 from geoweave.curves.curves import Curves
-from geoweave.curves.straightest_geodesics import crossings, straightest
+from geoweave.curves.straightest_geodesics import straightest
 from geoweave.errors import RodError
 from geoweave.models.shapes import sphere
 from geoweave.rods.from_ribbons import ends_on, file_of_rods, rods_of_file, rods_of_ribbons
 from geoweave.rods.rod_file import Rod, RodCrossing, RodFile, read_rods, write_rods
 from geoweave.rods.slide_and_relax import relax_rods
-from geoweave.weave.interlacing import Crossings as Passages, optimal
+from geoweave.weave.interlacing import optimal
+from geoweave.weave.passages import Passages
 from geoweave.weave.ribbons import Cutting, Ribbons
 
 

@@ -7,7 +7,7 @@ import pytest
 from pictures import ball, blank_frame, circles, lightness, meridians, near
 
 from geoweave import viz
-from geoweave.curves.tracing import geodesic_curvature
+from geoweave.curves.curves import geodesic_curvature
 from geoweave.errors import RenderError
 from geoweave.surface.mesh import TriMesh
 from geoweave.viz import style

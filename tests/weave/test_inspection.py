@@ -8,7 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave.curves.straightest_geodesics import crossings, straightest
+from geoweave.curves.curve_crossings import crossings
+from geoweave.curves.straightest_geodesics import straightest
 from geoweave.errors import FieldError
 from geoweave.models import shapes
 from geoweave.surface.mesh import Similarity, TriMesh

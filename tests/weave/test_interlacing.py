@@ -4,13 +4,14 @@ import numpy as np
 import pytest
 
 from geoweave.errors import GeoweaveError
-from geoweave.weave.interlacing import Crossings, greedy, judged, merged, optimal
+from geoweave.weave.interlacing import greedy, judged, optimal
+from geoweave.weave.passages import Passages
 
 
 def grid(rows, columns):
     """A plain weave on a torus: closed rows and columns, each meeting all of the others once."""
     i, j = (each.ravel() for each in np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij"))
-    return Crossings(np.c_[i, rows + j], np.c_[j, i], np.ones(rows + columns, dtype=bool))
+    return Passages(np.c_[i, rows + j], np.c_[j, i], np.ones(rows + columns, dtype=bool))
 
 
 def segments(start, end):
@@ -26,7 +27,7 @@ def segments(start, end):
     ribbons, lengths = np.c_[i, j][inside], np.c_[s * length[i], t * length[j]][inside]
     turned = np.random.default_rng(0).random(len(ribbons)) < 0.5
     ribbons[turned], lengths[turned] = ribbons[turned, ::-1], lengths[turned, ::-1]
-    return Crossings(ribbons, lengths, np.zeros(len(start), dtype=bool))
+    return Passages(ribbons, lengths, np.zeros(len(start), dtype=bool))
 
 
 def triaxial(lines, pieces, seed):
@@ -57,14 +58,14 @@ def great_circles(count, seed):
     u = np.cross(normals, [0.3, -0.5, 0.8])
     v = np.cross(normals, u) / np.linalg.norm(normals, axis=1, keepdims=True)
     angles = [np.arctan2((points * v[r]).sum(axis=1), (points * u[r]).sum(axis=1)) for r in ribbons.T]
-    return Crossings(ribbons, np.column_stack(angles) + np.pi, np.ones(count, dtype=bool))
+    return Passages(ribbons, np.column_stack(angles) + np.pi, np.ones(count, dtype=bool))
 
 
 def anything(seed):
     """Crossings of random ribbons at random places, some with themselves, in no plane."""
     rng = np.random.default_rng(seed)
     ribbons, crossings = rng.integers(1, 6), rng.integers(1, 11)
-    return Crossings(
+    return Passages(
         rng.integers(0, ribbons, (crossings, 2)), rng.random((crossings, 2)), rng.random(ribbons) < 0.5
     )
 
@@ -157,7 +158,7 @@ def test_the_bound_holds_when_time_runs_out():
 
 def test_greedy_alternates_the_first_ribbon_and_respects_it():
     """One long ribbon across many: whichever is first, each ribbon alternates but for settled crossings."""
-    crossings = Crossings(np.c_[np.zeros(6), 1 + np.arange(6)], np.c_[np.arange(6), np.zeros(6)], [False] * 7)
+    crossings = Passages(np.c_[np.zeros(6), 1 + np.arange(6)], np.c_[np.arange(6), np.zeros(6)], [False] * 7)
     for seed in range(8):
         rule = greedy(crossings, seed)
         if np.random.default_rng(seed).permutation(7)[0] == 0:
@@ -170,7 +171,7 @@ def test_which_ribbon_comes_first_in_a_crossing_is_only_a_name():
     flip = np.random.default_rng(1).random(len(crossings)) < 0.5
     ribbons, lengths = crossings.ribbons.copy(), crossings.arclengths.copy()
     ribbons[flip], lengths[flip] = ribbons[flip, ::-1], lengths[flip, ::-1]
-    other = Crossings(ribbons, lengths, crossings.closed)
+    other = Passages(ribbons, lengths, crossings.closed)
     assert optimal(other).broken.sum() == optimal(crossings).broken.sum()
     np.testing.assert_array_equal(greedy(other, 7).over ^ flip, greedy(crossings, 7).over)
 
@@ -188,40 +189,15 @@ def test_a_triangle_interleaves_or_is_stacked():
 
 
 def test_small_and_empty():
-    nothing = Crossings(np.zeros((0, 2)), np.zeros((0, 2)), [])
+    nothing = Passages(np.zeros((0, 2)), np.zeros((0, 2)), [])
     for result in (optimal(nothing), greedy(nothing)):
         assert (result.alternation, result.alternation_bound, len(result.over)) == (1.0, 1.0, 0)
-    loop = Crossings([[0, 0]], [[1.0, 2.0]], [True])  # a figure of eight goes over itself once
+    loop = Passages([[0, 0]], [[1.0, 2.0]], [True])  # a figure of eight goes over itself once
     assert optimal(loop).alternation == 1.0
     assert len(optimal(loop).broken) == 2
 
 
-def test_duplicates_are_merged():
-    ribbons = [[0, 1], [1, 0], [0, 1], [0, 2], [2, 2], [2, 2], [0, 1]]
-    lengths = [[5.0, 2.0], [2.1, 5.1], [5.2, 2.2], [5.1, 2.1], [1.0, 7.0], [7.05, 1.05], [9.95, 2.1]]
-    crossings = Crossings(ribbons, lengths, [True, False, False])
-    result = merged(crossings, 0.11)
-    # a chain of three whose ends are further apart, and a ribbon that crosses itself
-    assert result.kept.tolist() == [1, 3, 4, 6]
-    assert result.group.tolist() == [0, 0, 0, 1, 2, 2, 3]
-    np.testing.assert_array_equal(result.crossings.arclengths, np.array(lengths)[result.kept])
-    assert len(merged(crossings, 0.0).kept) == 7
-    again = Crossings([[0, 1], [0, 1]], [[0.02, 3.0], [9.98, 3.01]], [True, False])
-    assert len(merged(again, 0.1).kept) == 2
-    assert len(merged(again, 0.1, np.array([10.0, 5.0])).kept) == 1
-
-
-def test_refusals():
-    with pytest.raises(GeoweaveError, match="flags are 1"):
-        Crossings([[0, 1]], [[0.0, 0.0]], [False])
-    with pytest.raises(GeoweaveError, match="not finite"):
-        Crossings([[0, 1]], [[0.0, np.nan]], [False, False])
-    with pytest.raises(GeoweaveError, match="arclengths"):
-        Crossings([[0, 1]], [[0.0]], [False, False])
-    one = Crossings([[0, 1]], [[0.0, 0.0]], [False, False])
+def test_sides_that_do_not_fit_are_refused():
+    one = Passages([[0, 1]], [[0.0, 0.0]], [False, False])
     with pytest.raises(GeoweaveError, match="zeros and ones"):
         judged(one, [2])
-    with pytest.raises(GeoweaveError, match="negative"):
-        merged(one, -1.0)
-    with pytest.raises(GeoweaveError, match="lengths"):
-        merged(one, 1.0, np.ones(3))

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from geoweave.curves.curve_crossings import Crossings
 from geoweave.curves.curves import Curves
-from geoweave.curves.straightest_geodesics import Crossings
 from geoweave.models import shapes
 from geoweave.surface.mesh import TriMesh
 from geoweave.weave.design import Weave, weave_pattern

@@ -1,0 +1,157 @@
+"""Where ribbons end: at a crossing that holds them, or at the boundary (Section 5.2)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from geoweave.arrays import Flags, Scalars
+from geoweave.curves import Crossings, Curve, Curves, crossings, straightest
+
+ROUNDING = 1e-6
+"""Share of the mean edge within which a place is another one."""
+
+
+def extended(curves: Curves, reach: float) -> tuple[Curves, Scalars]:
+    """Continue open ends along straightest geodesics, by a length or up to the boundary.
+
+    Returns
+    -------
+    the longer curves, and (n, 2) arc lengths at which each given curve starts and ends on its longer one
+    """
+    mesh = curves.mesh
+    goes_on = ~_on_boundary(curves) & ~curves.closed[:, None]
+    first, last = curves.offsets[:-1], curves.offsets[1:] - 1
+    tips = [first[goes_on[:, 0]], last[goes_on[:, 1]]]
+    # A segment belongs to the point it starts from, so the last one to the last point but one.
+    sides = [(tips[0], -curves.segments[tips[0]]), (tips[1] - 1, curves.segments[tips[1] - 1])]
+    more = [
+        straightest(mesh, curves.faces[at], heading, reach, points=curves.points[tip]) if len(tip) else None
+        for tip, (at, heading) in zip(tips, sides, strict=True)
+    ]
+    number = np.cumsum(goes_on, axis=0) - 1
+    longer: list[Curve] = []
+    spans = np.stack([np.zeros(len(curves)), curves.lengths], axis=1)
+    for c, curve in enumerate(curves):
+        whole = curve
+        if goes_on[c, 0] and more[0] is not None:
+            which = int(number[c, 0])
+            spans[c] += more[0].lengths[which]
+            whole = _turned(_joined(_turned(whole), more[0][which]))
+        if goes_on[c, 1] and more[1] is not None:
+            whole = _joined(whole, more[1][int(number[c, 1])])
+        longer.append(whole)
+    return Curves.concatenate(mesh, longer), spans
+
+
+def _turned(line: Curve) -> Curve:
+    """An open curve, run through from its end to its start."""
+    # Turned round, a segment belongs to the point at its other end.
+    faces, sliding = line.faces[:-1][::-1], line.sliding[:-1][::-1]
+    return replace(
+        line,
+        points=line.points[::-1],
+        faces=np.append(faces, faces[-1]),
+        turning=-line.turning[::-1],
+        sliding=np.append(sliding, False),
+    )
+
+
+def _joined(one: Curve, other: Curve) -> Curve:
+    """Two open curves as one, the second from where the first ends."""
+    # The common point belongs to the second curve's segment, but turns as the first says.
+    return Curve(
+        np.concatenate([one.points, other.points[1:]]),
+        np.concatenate([one.faces[:-1], other.faces]),
+        np.concatenate([one.turning, other.turning[1:]]),
+        np.concatenate([one.sliding, other.sliding[1:]]),
+        False,
+    )
+
+
+def trimmed(longer: Curves, spans: Scalars, tail: float, shallowest: float) -> tuple[Flags, Scalars, Scalars]:
+    """Choose where each extended curve is to start and end.
+
+    An end is moved to a tail beyond the first crossing on its extension. If the extension meets none, or
+    meets one at too small an angle to hold it, the end is moved back to the last crossing inside that holds
+    it. A crossing counts only if the other curve is there with the part it had before it was extended.
+
+    Parameters
+    ----------
+    longer, spans : what `extended` returns
+    tail : a length
+    shallowest : least angle of a crossing that holds an end, degrees
+
+    Returns
+    -------
+    (n,) whether the curve crosses any other, and the arc lengths at which it is to start and to end
+    """
+    met = crossings(longer)
+    low, high = spans[met.curves, 0], spans[met.curves, 1]
+    own = (met.arclength >= low - tail) & (met.arclength <= high + tail)
+    owner, at, firm = met.curves.ravel(), met.arclength.ravel(), own[:, ::-1].ravel()
+    holds = np.repeat(holding(met, shallowest), 2)
+    order = np.lexsort((at, owner))
+    order = order[firm[order]]
+    owner, at, holds = owner[order], at[order], holds[order]
+    bounds = np.searchsorted(owner, np.arange(len(longer) + 1))
+    at_rim = _on_boundary(longer)
+    start, end = np.zeros(len(longer)), longer.lengths.copy()
+    crossed = longer.closed & (np.diff(bounds) > 0)
+    for c in np.flatnonzero(~longer.closed):
+        there, good = (each[bounds[c] : bounds[c + 1]] for each in (at, holds))
+        inside = np.flatnonzero(good & (there > spans[c, 0]) & (there < spans[c, 1]))
+        before, after = np.flatnonzero(there <= spans[c, 0]), np.flatnonzero(there >= spans[c, 1])
+        # An end that came to the boundary before it met anything stays there.
+        first = before[-1:][good[before[-1:]]] if len(before) else inside[:1]
+        last = after[:1][good[after[:1]]] if len(after) else inside[-1:]
+        first, last = (first if len(first) else inside[:1]), (last if len(last) else inside[-1:])
+        if len(before) or not at_rim[c, 0]:
+            if not len(first):
+                continue
+            start[c] = max(there[first[0]] - tail, 0.0)
+        if len(after) or not at_rim[c, 1]:
+            if not len(last):
+                continue
+            end[c] = min(there[last[0]] + tail, longer.lengths[c])
+        crossed[c] = len(there) > 0
+    return crossed, start, end
+
+
+def holding(met: Crossings, shallowest: float) -> Flags:
+    """(C,) whether the two curves of each crossing meet at so many degrees or more."""
+    return np.asarray(np.abs(np.sin(met.angle)) >= np.sin(np.radians(shallowest)))
+
+
+def outermost(met: Crossings, count: int) -> tuple[Scalars, Scalars]:
+    """(count,) arc length of the first and the last crossing on each curve, inf and -inf without one."""
+    owner, at = met.curves.ravel(), met.arclength.ravel()
+    first, last = np.full(count, np.inf), np.full(count, -np.inf)
+    np.minimum.at(first, owner, at)
+    np.maximum.at(last, owner, at)
+    return first, last
+
+
+def loose_ends(curves: Curves, met: Crossings, tail: float) -> Flags:
+    """(n, 2) open ends without a crossing within a tail of them, unless they lie on the boundary."""
+    first, last = outermost(met, len(curves))
+    away = np.stack([first, curves.lengths - last], axis=1)
+    beyond = away > tail + ROUNDING * curves.mesh.mean_edge
+    return np.asarray(beyond & ~_on_boundary(curves) & ~curves.closed[:, None])
+
+
+def _on_boundary(curves: Curves) -> Flags:
+    """(n, 2) whether start and end of each curve lie on the boundary of the surface."""
+    mesh = curves.mesh
+    ends = np.stack([curves.offsets[:-1], curves.offsets[1:] - 1], axis=1)
+    face, point = curves.faces[ends], curves.points[ends]
+    corners = mesh.vertices[mesh.faces[face]]
+    found = np.zeros(ends.shape, dtype=bool)
+    for k in range(3):
+        a, b = corners[..., (k + 1) % 3, :], corners[..., (k + 2) % 3, :]
+        along = b - a
+        share = np.clip(((point - a) * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
+        off = np.linalg.norm(point - a - share[..., None] * along, axis=-1)
+        found |= (mesh.face_neighbors[face, k] < 0) & (off < ROUNDING * mesh.mean_edge)
+    return found
