@@ -6,6 +6,7 @@ from . import (
     foliation as foliation,
     meshing as meshing,
     models as models,
+    pipeline as pipeline,
     rods as rods,
     surface as surface,
     twin as twin,
@@ -54,6 +55,12 @@ from .foliation import (
 )
 from .meshing import isotropic_remesh as isotropic_remesh, read_mesh as read_mesh
 from .models import datasets as datasets, shapes as shapes
+from .pipeline import (
+    MeshSource as MeshSource,
+    WeaveRequest as WeaveRequest,
+    WovenFiles as WovenFiles,
+    weave_file as weave_file,
+)
 from .rods import (
     elastic_rods as elastic_rods,
     relax as relax,

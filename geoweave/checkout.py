@@ -6,8 +6,6 @@ A notebook run by hand has no such variable and writes to ``figures/`` of the ch
 """
 
 import os
-import tomllib
-from importlib import metadata
 from pathlib import Path
 
 from geoweave.errors import GeoweaveError
@@ -40,6 +38,10 @@ def repository() -> Path:
 
 def package_version() -> str:
     """Version of the installed package, or of the checkout that runs without being installed."""
+    # Both are slow to import and few callers ask.
+    import tomllib
+    from importlib import metadata
+
     try:
         return metadata.version("geoweave")
     except metadata.PackageNotFoundError:

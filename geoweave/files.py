@@ -12,7 +12,17 @@ from pathlib import Path
 
 from geoweave.errors import GeoweaveError
 
-__all__ = ["Job", "OutputError", "check_writable", "chosen", "replacing", "sha256_of", "written_together"]
+__all__ = [
+    "Job",
+    "OutputError",
+    "check_output",
+    "check_writable",
+    "checked_folder",
+    "chosen",
+    "replacing",
+    "sha256_of",
+    "written_together",
+]
 
 
 Job = Callable[[Path], object]
@@ -155,6 +165,37 @@ def check_writable(path: str | PathLike[str]) -> None:
         raise OutputError(f"{target}: there is no folder {folder}; make it first")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise OutputError(f"{target}: the folder {folder} is not writable; choose another place")
+
+
+def check_output(output: str | PathLike[str], source: str | PathLike[str]) -> None:
+    """Refuse a file that cannot be written, or that is the input, before any work is done for it.
+
+    Raises
+    ------
+    OutputError
+        If it is one of them.
+    """
+    check_writable(output)
+    if os.path.exists(output) and os.path.exists(source) and os.path.samefile(output, source):
+        raise OutputError(f"{os.fspath(output)}: is the input; name another file")
+
+
+def checked_folder(output: str | PathLike[str]) -> Path:
+    """Return a folder for results, or refuse it before any work is done for it; it is not made here.
+
+    Raises
+    ------
+    OutputError
+        If it can neither be made nor written to.
+    """
+    folder = Path(output)
+    if folder.is_dir():
+        check_writable(folder / "weave.json")
+    elif folder.exists():
+        raise OutputError(f"{os.fspath(output)}: is a file; name a folder")
+    else:
+        check_writable(folder)
+    return folder
 
 
 def _keep_permissions(final: Path, temporary: Path) -> None:

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from geoweave.cli.options import Surface, as_json, print_json, print_table, status, surfaces_options
-from geoweave.cli.weave_command import Asked, weave_options
+from geoweave.cli.options import as_json, print_json, print_table, status, surfaces_options
+from geoweave.cli.weave_command import weave_options
 
 if TYPE_CHECKING:
-    from geoweave.pipeline import Row
+    from geoweave.pipeline import MeshSource, Row, WeaveRequest
 
 
 @click.command()
@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 @weave_options
 @as_json
 def sweep(
-    surfaces: tuple[Surface, ...],
+    sources: tuple[MeshSource, ...],
     output: str,
     jobs: int | None,
     dask: str | None,
-    asked: Asked,
+    request: WeaveRequest,
     as_json: bool,
 ) -> NoReturn:
     """Weave many meshes, each into a folder of its own, and make one table of them.
@@ -47,21 +47,21 @@ def sweep(
     """
     if jobs is not None and dask is not None:
         raise click.UsageError("--jobs and --dask exclude each other; give one of them")
-    from geoweave.cli.options import new_folder
-    from geoweave.pipeline import batch as engine, check_dask
+    from geoweave.files import checked_folder
+    from geoweave.pipeline import TABLES, check_dask, sweep as sweep_meshes
 
-    folder = new_folder(output)
+    folder = checked_folder(output)
     if dask is not None:
         check_dask(dask)
     start = time.perf_counter()
     with _terminated(), status() as say:
-        say(f"weaving {_meshes(len(surfaces))}")
-        rows = engine.sweep(surfaces, asked, folder, jobs=jobs or 1, dask=dask, callback=_lines())
+        say(f"weaving {_meshes(len(sources))}")
+        rows = sweep_meshes(sources, request, folder, jobs=jobs or 1, dask=dask, callback=_lines())
     counts = {state: sum(row.state == state for row in rows) for state in ("done", "kept", "failed")}
     for row in rows:
         if row.fault:
             print(row.fault, file=sys.stderr, end="")
-    tables = [str(Path(output) / name) for name in engine.TABLES]
+    tables = [str(Path(output) / name) for name in TABLES]
     if as_json:
         result = {
             "output": output,

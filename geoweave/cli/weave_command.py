@@ -2,67 +2,68 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Callable
 from functools import wraps
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
 from geoweave.cli.options import (
     Positive,
-    Say,
-    Surface,
-    about,
     as_json,
-    new_folder,
-    prepared_surface,
     print_json,
     print_table,
+    seconds_text,
     status,
     surface_options,
     text_of,
-    timed,
 )
-from geoweave.errors import FieldError
 
 if TYPE_CHECKING:
-    from geoweave.files import Job
-    from geoweave.meshing import Prepared
-    from geoweave.rods import Step
-    from geoweave.weave import Inspection, Weave
+    from geoweave.pipeline import MeshSource, WeaveRequest, WovenFiles
+    from geoweave.weave import Inspection
 
-
-@dataclass(frozen=True)
-class Asked:
-    """What a weave is to be like and what is to be written, as it was asked for."""
-
-    symmetry: int
-    ribbons: int | None
-    scale: float | None
-    size: float | None
-    width: float | None
-    thickness: float | None
-    formats: tuple[str, ...]
-    relax: bool
-    spare: tuple[str, ...] = ()
-    """Formats that nobody named, which a weave that they do not suit is written without."""
-
-
-class Made(NamedTuple):
-    """A weave that was designed, relaxed and written."""
-
-    result: dict[str, Any]
-    """What ``--json`` prints."""
-    prepared: Prepared
-    pattern: Weave
-    report: Inspection
+OPTIONS = (
+    click.option(
+        "--symmetry",
+        type=click.IntRange(min=3),
+        default=6,
+        help="Vectors of the RoSy: 6 weaves triaxially (6).",
+    ),
+    click.option(
+        "--ribbons",
+        type=click.IntRange(min=1),
+        help="How many ribbons; a search finds the nearest number that the surface allows.",
+    ),
+    click.option(
+        "--scale", type=Positive(), help="Factor on the number of ribbons (1), in place of --ribbons."
+    ),
+    click.option(
+        "--size", type=Positive(), help="Longest side of the bounding box in mm; results are then in mm."
+    ),
+    click.option(
+        "--width", type=Positive(), help="Width of a ribbon, in mm with --size, else in the mesh's unit."
+    ),
+    click.option("--thickness", type=Positive(), help="Thickness of a ribbon (a twentieth of the width)."),
+    click.option(
+        "--formats",
+        default="json",
+        metavar="json,rod,svg,pdf",
+        help="What to write, separated by commas: json (always), rod, pattern, csv, svg, dxf, pdf, glb, "
+        "guide; those from pattern on need --size. By default json, and with --size also guide.",
+    ),
+    click.option(
+        "--no-relax",
+        is_flag=True,
+        help="Stop before the physics: nothing slides, and relaxed.json is not written.",
+    ),
+)
+"""What a weave is to be like."""
 
 
 def weave_options(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options of a weave and hand them over as one, or refuse them."""
+    """Give a command the options of a weave and hand them over as one request, or refuse them."""
 
     @wraps(command)
     def bundled(
@@ -79,151 +80,30 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
     ) -> None:
         if ribbons is not None and scale is not None:
             raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
-        names = tuple(name.strip().lower() for name in formats.split(","))
-        cut, _ = formats_of(names)
-        if cut and size is None:
-            raise click.UsageError(f"a pattern ({', '.join(cut)}) is in mm; give the object a --size")
-        asked = Asked(symmetry, ribbons, scale, size, width, thickness, names, not no_relax)
-        given = click.get_current_context().get_parameter_source("formats")
-        if size is not None and given is ParameterSource.DEFAULT:
-            asked = replace(asked, formats=("json", "guide"), spare=("guide",))
-        command(*arguments, asked=asked, **others)
+        from geoweave.errors import FieldError
+        from geoweave.pipeline import WeaveRequest, formats_of
 
-    options = (
-        click.option(
-            "--symmetry",
-            type=click.IntRange(min=3),
-            default=6,
-            help="Vectors of the RoSy: 6 weaves triaxially (6).",
-        ),
-        click.option(
-            "--ribbons",
-            type=click.IntRange(min=1),
-            help="How many ribbons; the nearest number that a search meets.",
-        ),
-        click.option(
-            "--scale", type=Positive(), help="Factor on the number of ribbons (1), in place of --ribbons."
-        ),
-        click.option(
-            "--size", type=Positive(), help="Longest side of the bounding box in mm; results are then in mm."
-        ),
-        click.option(
-            "--width", type=Positive(), help="Width of a ribbon, in mm with --size, else in the mesh's unit."
-        ),
-        click.option(
-            "--thickness", type=Positive(), help="Thickness of a ribbon (a twentieth of the width)."
-        ),
-        click.option(
-            "--formats",
-            default="json",
-            metavar="json,rod,svg,pdf",
-            help="What to write, apart by commas: json (always), rod, pattern, csv, svg, dxf, pdf, glb, "
-            "guide; those from pattern on need --size. By default json, and with --size guide.",
-        ),
-        click.option(
-            "--no-relax",
-            is_flag=True,
-            help="Stop before physics: nothing slides, and relaxed.json is not written.",
-        ),
-    )
-    for option in reversed(options):
+        names = tuple(name.strip().lower() for name in formats.split(","))
+        try:
+            formats_of(names, size)
+        except FieldError as error:
+            raise click.UsageError(f"{error}, with --size") from error
+        given = click.get_current_context().get_parameter_source("formats")
+        request = WeaveRequest(
+            symmetry=symmetry,
+            ribbons=ribbons,
+            scale=scale,
+            size=size,
+            width=width,
+            thickness=thickness,
+            formats=None if given is ParameterSource.DEFAULT else names,
+            relax=not no_relax,
+        )
+        command(*arguments, request=request, **others)
+
+    for option in reversed(OPTIONS):
         bundled = option(bundled)
     return bundled
-
-
-def formats_of(names: Iterable[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Part formats into those of a pattern and those of a weave; an unknown one is refused."""
-    from geoweave import fabrication
-    from geoweave.pipeline import check_formats
-
-    asked = tuple(names)
-    cut = fabrication.check_formats(name for name in asked if name in fabrication.FORMATS)
-    return cut, check_formats((name for name in asked if name not in cut), fabrication.FORMATS)
-
-
-def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
-    """Read a surface, weave it, relax the weave, and write what was asked for into a folder."""
-    from geoweave import fabrication
-    from geoweave.fabrication import pattern_of
-    from geoweave.meshing import evened
-    from geoweave.pipeline import write_weave
-    from geoweave.rods import relaxed_weave
-    from geoweave.twin import contradictions_of, surface_of
-    from geoweave.weave import inspected, weave_pattern
-
-    cut, wanted = formats_of(asked.formats)
-    seconds: dict[str, float] = {}
-    with about(surface.name):
-        prepared = prepared_surface(surface, seconds, say)
-        if surface.faces is None:
-            with timed(seconds, "remesh"):
-                prepared = evened(prepared, name=surface.name)
-        pattern = weave_pattern(
-            prepared.mesh,
-            symmetry=asked.symmetry,
-            scale=asked.scale,
-            ribbons=asked.ribbons,
-            seed=surface.seed,
-            callback=lambda stage: say(f"weaving: {stage}"),
-        )
-        seconds |= pattern.seconds
-        pattern = pattern.sized(asked.size, asked.width, asked.thickness)
-        with timed(seconds, "inspection"):
-            report = inspected(pattern)
-        rest = None
-        if asked.relax:
-            rest = relaxed_weave(pattern, callback=lambda stage, step: say(_progress(stage, step)))
-            seconds |= rest.seconds
-        with timed(seconds, "write"):
-            # A pattern is cut to the lengths at rest, as long as its crossings still follow each other as the
-            # surface has them; it is laid out before anything is written.
-            lies = rest.document() if cut and rest is not None else None
-            strips = pattern_of(lies or pattern) if cut else None
-            slipped = 0
-            if strips is not None and lies is not None:
-                slipped = sum(each.plain for each in contradictions_of(surface_of(strips)))
-                if slipped:  # nobody could put these strips together
-                    strips, lies = pattern_of(pattern), None
-            without: dict[str, str] = {}
-            more: dict[str, Job] = {}
-            if strips is not None:
-                bench = fabrication.Bench(title=Path(surface.name).stem)
-                try:
-                    more = fabrication.jobs_of(strips, cut, bench=bench, weave=pattern, rest=lies)
-                except FieldError as error:
-                    if set(cut) - set(asked.spare):
-                        raise
-                    without = {name: str(error) for name in cut}
-            files = write_weave(pattern, folder, wanted, report, rest, more)
-    seconds["total"] = sum(seconds.values())
-    result = {
-        "mesh": surface.name,
-        "faces": prepared.mesh.n_faces,
-        "genus": prepared.mesh.genus,
-        "boundary_loops": len(prepared.mesh.boundary_loops),
-        "symmetry": asked.symmetry,
-        "scale": pattern.scale,
-        "ribbons_asked": asked.ribbons,
-        "scales_tried": len(pattern.tried) or 1,
-        "seed": surface.seed,
-        "branch_points": len(pattern.branch_points),
-        "units": pattern.units,
-        **pattern.metrics(),
-        "width": pattern.width * pattern.placement.scale,
-        "thickness": pattern.thickness * pattern.placement.scale,
-        "suggested_width": report.suggested_width,
-        "places": report.counts,
-        "relax": None if rest is None else rest.metrics(),
-        "strips_of": None if strips is None else "weave.json" if lies is None else "relaxed.json",
-        "slipped": slipped,
-        "violations": len(report.violations),
-        "seconds": {key: round(value, 4) for key, value in seconds.items()},
-        "repairs": prepared.report.as_dict(),
-        "output": str(files["weave.json"]),
-        "files": [str(path) for path in files.values()],
-        "left_out": without,
-    }
-    return Made(result, prepared, pattern, report)
 
 
 @click.command()
@@ -233,47 +113,32 @@ def woven(surface: Surface, asked: Asked, folder: Path, say: Say) -> Made:
 )
 @weave_options
 @as_json
-def weave(surface: Surface, output: str, asked: Asked, as_json: bool) -> None:
+def weave(source: MeshSource, output: str, request: WeaveRequest, as_json: bool) -> None:
     """Design a weave: ribbons along geodesics, their crossings, over and under."""
-    folder = new_folder(output)
+    from geoweave.pipeline import weave_file
+
     with status() as say:
-        made = woven(surface, asked, folder, say)
+        made = weave_file(source, output, request, callback=say)
     if as_json:
-        print_json(made.result)
-        return
-    print_table(surface.name, _rows(made.result, made.prepared, made.pattern, made.report))
+        print_json(made.document())
+    else:
+        print_table(source.name, _rows(made))
 
 
-def _rows(
-    result: dict[str, Any], prepared: Prepared, pattern: Weave, report: Inspection
-) -> list[tuple[str, str]]:
+def _rows(made: WovenFiles) -> list[tuple[str, str]]:
     """What the table for people says."""
-    angle, turns = result["crossing_angle_deg"], result["alternation"]
-    mm = pattern.units == "mm"
-    unit = " mm" if mm else ""
-    asked = result["ribbons_asked"]
-    count = text_of(result["ribbons"])
-    if asked is not None:
-        tries = f"in {result['scales_tried']} tries"
-        found = "as asked" if asked == result["ribbons"] else f"the nearest to {asked:,}"
-        count = f"{count}, {found} {tries}: --scale {result['scale']:g}"
-    length = f"{result['metres']:.2f} metres" if mm else f"{result['total_length']:.5g} in the mesh's unit"
-    size = f"{result['width']:.3g} wide, {result['thickness']:.2g} thick, {result['spacing']:.3g} apart"
-    shares = f"{report.share_that_fits:.0%} of the neighbouring crossings fit"
-    if report.suggested_width is not None:
-        shares += f", {report.limits.fitting:.0%} up to a width of {report.suggested_width:.3g}{unit}"
-    rows = [("faces", text_of(prepared.mesh.n_faces)), ("genus", text_of(prepared.mesh.genus))]
-    rows += [("repairs", text) for text in prepared.report.sentences()]
+    result, report = made.document(), made.inspection
+    unit = " mm" if made.weave.units == "mm" else ""
+    angle = result["crossing_angle_deg"]
+    rows = [("faces", text_of(result["faces"])), ("genus", text_of(result["genus"]))]
+    rows += [("repairs", text) for text in made.prepared.report.sentences()]
     rows += [
         ("branch points", text_of(result["branch_points"])),
-        ("ribbons", count),
-        ("length", length),
-        ("size", f"{size}{' (mm)' if mm else ''}"),
-        ("width", shares),
+        *_sizes(result, report, unit),
         ("crossings", text_of(result["crossings"])),
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
         ("smallest angle", f"{angle['smallest']:.1f} degrees"),
-        ("alternation", _alternation(turns)),
+        ("alternation", _alternation(result["alternation"])),
         ("loose ends", text_of(result["loose_ends"])),
     ]
     rows += _rest(result["relax"], unit)
@@ -287,10 +152,32 @@ def _rows(
     rows += [(f"  {kind.replace('_', ' ')}", _worst(kind, report)) for kind, n in report.counts.items() if n]
     rows += [
         *((f"no {name}", reason) for name, reason in result["left_out"].items()),
-        ("seconds", ", ".join(f"{key} {value:.2f}" for key, value in result["seconds"].items())),
+        ("seconds", seconds_text(made.seconds)),
         ("written to", ", ".join(result["files"])),
     ]
     return rows
+
+
+def _sizes(result: dict[str, Any], report: Inspection, unit: str) -> list[tuple[str, str]]:
+    """How many ribbons there are, how long and how wide, and how many crossings that width fits."""
+    asked, count = result["ribbons_asked"], text_of(result["ribbons"])
+    if asked is not None:
+        tries = f"in {result['scales_tried']} tries"
+        found = "as asked" if asked == result["ribbons"] else f"the nearest to {asked:,}"
+        count = f"{count}, {found} {tries}: --scale {result['scale']:g}"
+    length = f"{result['total_length']:.5g} in the mesh's unit"
+    if unit:
+        length = f"{result['metres']:.2f} metres"
+    size = f"{result['width']:.3g} wide, {result['thickness']:.2g} thick, {result['spacing']:.3g} apart"
+    shares = f"{report.share_that_fits:.0%} of the neighbouring crossings fit"
+    if report.suggested_width is not None:
+        shares += f", {report.limits.fitting:.0%} up to a width of {report.suggested_width:.3g}{unit}"
+    return [
+        ("ribbons", count),
+        ("length", length),
+        ("size", f"{size}{' (mm)' if unit else ''}"),
+        ("width", shares),
+    ]
 
 
 def _places(number: int) -> str:
@@ -304,11 +191,6 @@ def _alternation(turns: dict[str, Any]) -> str:
         return said
     ended = "time ran out, another run may find more" if turns["out_of_time"] else "the effort was used up"
     return f"{said} (not proven to be out of reach: {ended})"
-
-
-def _progress(stage: str, step: Step) -> str:
-    doing = {"slide": "sliding", "relax": "relaxing"}[stage]
-    return f"{doing}: step {step.number}, forces balance to {step.gradient:.1g}"
 
 
 HOLDS = 0.05

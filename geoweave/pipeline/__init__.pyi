@@ -1,5 +1,19 @@
-from . import batch as batch
-from .batch import Row as Row
+from .batch import sweep as sweep
+from .design import (
+    WeaveRequest as WeaveRequest,
+    WovenFiles as WovenFiles,
+    formats_of as formats_of,
+    weave_file as weave_file,
+)
+from .field_arrays import (
+    FieldOfFile as FieldOfFile,
+    field_file as field_file,
+    foliate_file as foliate_file,
+)
+from .pattern_twin import TwinOfFile as TwinOfFile, twin_file as twin_file
+from .relaxed_file import RestOfFile as RestOfFile, relax_file as relax_file
+from .source import MeshSource as MeshSource, Say as Say, prepared_surface as prepared_surface
+from .sweep_table import TABLES as TABLES, Row as Row
 from .weave_folder import (
     DESIGN as DESIGN,
     check_formats as check_formats,

@@ -7,9 +7,7 @@ woven again exactly when that digest or a file is another one: an interrupted sw
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 import json
 import os
 import shutil
@@ -25,16 +23,17 @@ from pathlib import Path
 from typing import Any
 
 from geoweave.checkout import PACKAGE, package_version
-from geoweave.cli.options import Surface
-from geoweave.cli.weave_command import Asked, woven
 from geoweave.errors import GeoweaveError
 from geoweave.files import OutputError, check_writable, sha256_of, written_together
+from geoweave.pipeline.design import WeaveRequest, weave_file
+from geoweave.pipeline.source import MeshSource, names_a_data_set
+from geoweave.pipeline.sweep_table import TABLES, Row, table_texts
 from geoweave.pipeline.weave_folder import listed_files, text_jobs, write_texts
 from geoweave.pipeline.workers import on_cluster, on_this_machine
 
-__all__ = ["COLUMNS", "Job", "Row", "folder_names", "jobs_of", "sweep", "table_texts", "weave_one"]
+__all__ = ["Job", "folder_names", "jobs_of", "sweep", "weave_one"]
 
-RECORD, TABLES = "sweep.json", ("table.csv", "table.md")
+RECORD = "sweep.json"
 UNRELATED = frozenset({"viz"})
 """Sub-packages that change no weave."""
 
@@ -51,9 +50,9 @@ class Job:
 
     mesh: str
     """As it was asked for."""
-    surface: Surface
+    source: MeshSource
     """With the whole path of the file."""
-    asked: Asked
+    request: WeaveRequest
     key: str
     """Digest of everything that the weave depends on."""
     code: str
@@ -64,42 +63,9 @@ class Job:
     """To work in, with its whole path."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """What became of one mesh.
-
-    Attributes
-    ----------
-    mesh : as it was asked for
-    folder : name of its folder
-    state : "done" (woven now), "kept" (there already) or "failed"
-    problem : for a failure, one sentence
-    result : what ``geoweave weave --json`` says of it, {} for a failure
-    fault : the traceback, where the failure is a fault of ours
-    """
-
-    mesh: str
-    folder: str
-    state: str
-    problem: str = ""
-    result: Mapping[str, Any] | None = None
-    fault: str = ""
-
-    def sentence(self) -> str:
-        """What the progress display says of it."""
-        if self.result is None:
-            return f"failed: {self.problem}"
-        done = self.result
-        if self.state == "kept":
-            return f"{done['ribbons']} ribbons, kept: mesh, options and version are the same"
-        return (
-            f"{done['ribbons']} ribbons, {done['crossings']} crossings, in {done['seconds']['total']:.0f} s"
-        )
-
-
 def sweep(
-    surfaces: Sequence[Surface],
-    asked: Asked,
+    sources: Sequence[MeshSource],
+    request: WeaveRequest,
     folder: Path,
     *,
     jobs: int = 1,
@@ -110,8 +76,8 @@ def sweep(
 
     Parameters
     ----------
-    surfaces : the meshes; one that is named twice is woven once
-    asked : what each weave is to be like
+    sources : the meshes; one that is named twice is woven once
+    request : what each weave is to be like
     folder : it is made if it is not there, in a folder that is
     jobs : processes on this machine
     dask : address of a Dask scheduler, in place of them; its workers must see the folder and the files
@@ -138,7 +104,7 @@ def sweep(
     _drop_leftovers(folder)
     work = Path(tempfile.mkdtemp(prefix=LEFTOVER, dir=folder))
     try:
-        todo = jobs_of(surfaces, asked, work, code="" if dask is None else source_digest())
+        todo = jobs_of(sources, request, work, code="" if dask is None else source_digest())
         rows = _rows(todo, folder, jobs, dask, callback)
         write_texts(table_texts(rows), folder)
         return rows
@@ -200,10 +166,10 @@ def weave_one(job: Job) -> dict[str, Any]:
                 "a cluster needs a file system that all its machines share"
             )
         with _ALONE:
-            made = woven(job.surface, job.asked, Path(job.folder), lambda text: None)
-        return {"result": made.result}
+            made = weave_file(job.source, job.folder, job.request)
+        return {"result": made.document()}
     except GeoweaveError as error:
-        return {"problem": " ".join(str(error).replace(job.surface.name, job.mesh).split())}
+        return {"problem": " ".join(str(error).replace(job.source.name, job.mesh).split())}
     except MemoryError:
         return {"problem": f"{job.mesh}: not enough memory; ask for fewer triangles with --faces"}
     except Exception as error:
@@ -214,21 +180,23 @@ def weave_one(job: Job) -> dict[str, Any]:
         }
 
 
-def jobs_of(surfaces: Sequence[Surface], asked: Asked, work: Path, code: str = "") -> list[Job | Row]:
+def jobs_of(
+    sources: Sequence[MeshSource], request: WeaveRequest, work: Path, code: str = ""
+) -> list[Job | Row]:
     """Give each mesh its folder and its digest; one that cannot be read at all is a row already."""
-    once: dict[str, Surface] = {}
-    for surface in surfaces:
-        once.setdefault(os.path.realpath(_place(surface)), surface)
-    places = [_place(surface) for surface in once.values()]
+    once: dict[str, MeshSource] = {}
+    for source in sources:
+        once.setdefault(os.path.realpath(_place(source)), source)
+    places = [_place(source) for source in once.values()]
     found: list[Job | Row] = []
-    for place, surface, name in zip(places, once.values(), folder_names(places), strict=True):
+    for place, source, name in zip(places, once.values(), folder_names(places), strict=True):
         try:
-            key = _key(place, surface, asked)
+            key = _key(place, source, request)
         except GeoweaveError as error:
-            found.append(Row(surface.name, name, "failed", " ".join(str(error).split())))
+            found.append(Row(source.name, name, "failed", " ".join(str(error).split())))
             continue
-        there = replace(surface, name=place)
-        found.append(Job(surface.name, there, asked, key, code, name, str(work / name)))
+        there = replace(source, name=place)
+        found.append(Job(source.name, there, request, key, code, name, str(work / name)))
     return found
 
 
@@ -260,21 +228,19 @@ def _named(path: Path, more: int) -> str:
     return "-".join(word for word in (word.strip("./\\:") for word in words) if word) or "mesh"
 
 
-def _place(surface: Surface) -> str:
+def _place(source: MeshSource) -> str:
     """The whole path of a mesh's file, or the name of a data set."""
-    name = surface.name
-    named = not os.path.lexists(name) and name.replace("-", "").replace("_", "").isalnum()
-    return name if named else os.path.abspath(name)
+    return source.name if names_a_data_set(source.name) else os.path.abspath(source.name)
 
 
-def _key(place: str, surface: Surface, asked: Asked) -> str:
+def _key(place: str, source: MeshSource, request: WeaveRequest) -> str:
     """Digest of what a weave depends on: the file, how it is read, what is asked for, and this program."""
     facts = {
-        "surface": {**asdict(surface), "name": ""},
-        "asked": asdict(asked),
+        "mesh source": {**asdict(source), "name": ""},
+        "request": asdict(request),
         "version": package_version(),
         "source": source_digest(),
-        "mesh": _content(place, surface.name),
+        "mesh": _content(place, source.name),
     }
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
@@ -363,44 +329,3 @@ def _drop_leftovers(folder: Path) -> None:
         with suppress(OSError):  # another sweep may have removed its own by now
             if time.time() - path.stat().st_mtime > 86_400:
                 shutil.rmtree(path, ignore_errors=True)
-
-
-COLUMNS: dict[str, Callable[[Mapping[str, Any]], Any]] = {
-    "faces": lambda r: r["faces"],
-    "genus": lambda r: r["genus"],
-    "boundary loops": lambda r: r["boundary_loops"],
-    "branch points": lambda r: r["branch_points"],
-    "ribbons": lambda r: r["ribbons"],
-    "crossings": lambda r: r["crossings"],
-    "length": lambda r: f"{r['total_length']:.6g}",
-    "units": lambda r: r["units"],
-    "median angle": lambda r: f"{r['crossing_angle_deg']['median']:.1f}",
-    "5 % angle": lambda r: f"{r['crossing_angle_deg']['p05']:.1f}",
-    "alternation": lambda r: f"{r['alternation']['fraction']:.4f}",
-    "at most": lambda r: f"{r['alternation']['optimal_fraction_bound']:.4f}",
-    "loose ends": lambda r: r["loose_ends"],
-    "broken rules": lambda r: r["violations"],
-    "farthest at rest": lambda r: "" if r["relax"] is None else f"{r['relax']['hausdorff_held']:.4f}",
-    "at rest": lambda r: "" if r["relax"] is None else ("yes" if r["relax"]["converged"] else "no"),
-}
-"""Columns of the table after mesh and folder, and what each says of a result; ``problem`` is the last."""
-
-
-def table_texts(rows: Sequence[Row]) -> dict[str, str]:
-    """The contents of the two tables, without times: the same meshes and options give the same bytes."""
-    head = ["mesh", "folder", *COLUMNS, "problem"]
-    cells = [
-        [
-            row.mesh,
-            row.folder,
-            *(("" if row.result is None else str(say(row.result))) for say in COLUMNS.values()),
-            row.problem,
-        ]
-        for row in rows
-    ]
-    plain = io.StringIO()
-    writer = csv.writer(plain, lineterminator="\n")
-    writer.writerows([head, *cells])
-    ruled = [head, ["---"] * 2 + ["---:"] * len(COLUMNS) + ["---"], *cells]
-    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in ruled]
-    return {"table.csv": plain.getvalue(), "table.md": "\n".join(lines) + "\n"}

@@ -5,7 +5,6 @@ import json
 import pytest
 
 from geoweave.cli import options
-from geoweave.errors import FieldError, GeoweaveError, MeshError
 
 
 def test_numbers_for_people() -> None:
@@ -25,25 +24,11 @@ def test_json_has_no_nan(capsys: pytest.CaptureFixture[str]) -> None:
         options.print_json({"a": float("nan")})
 
 
-def test_stages_are_timed_and_progress_is_silent_without_a_terminal(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    seconds: dict[str, float] = {}
-    with options.status() as say, options.timed(seconds, "stage"):
+def test_progress_is_silent_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    with options.status() as say:
         say("working")
-    assert seconds["stage"] >= 0
     assert capsys.readouterr() == ("", "")
 
 
-def test_what_a_method_says_is_about_a_file() -> None:
-    with pytest.raises(FieldError, match=r"^a\.obj: ask for more$"), options.about("a.obj"):
-        raise FieldError("ask for more")
-    with pytest.raises(MeshError, match=r"^a\.obj: no faces$"), options.about("a.obj"):
-        raise MeshError("a.obj: no faces")
-    with pytest.raises(GeoweaveError, match=r"^something else$"), options.about("a.obj"):
-        raise GeoweaveError("something else")
-
-
-def test_a_name_that_is_neither_file_nor_data_set() -> None:
-    with pytest.raises(MeshError, match="neither a file nor a data set"):
-        options.read_surface("nothing", "keep", False, lambda text: None)
+def test_times_for_people() -> None:
+    assert options.seconds_text({"read": 0.123, "total": 12.0}) == "read 0.12, total 12.00"

@@ -10,6 +10,7 @@ import sys
 import time
 from pathlib import Path
 
+import click
 import pytest
 from clusters import cluster
 
@@ -42,7 +43,7 @@ def woven(folder: Path) -> dict[str, bytes]:
 
 
 def test_the_command_line_offers_the_command() -> None:
-    assert main.commands.commands["sweep"] is sweep_command.sweep
+    assert main.commands.get_command(click.Context(main.commands), "sweep") is sweep_command.sweep
 
 
 def test_many_meshes_one_of_which_fails(

@@ -4,6 +4,7 @@ import dataclasses
 import json
 from functools import cache
 
+import click
 import pytest
 from meshfiles import sphere, write
 
@@ -22,7 +23,7 @@ def report() -> Inspection:
 
 
 def test_the_command_line_offers_the_command() -> None:
-    assert main.commands.commands["weave"] is weave_command.weave
+    assert main.commands.get_command(click.Context(main.commands), "weave") is weave_command.weave
 
 
 def test_each_kind_of_place_has_its_words() -> None:

@@ -10,24 +10,25 @@ from pathlib import Path
 
 import pytest
 
-from geoweave.cli.options import Surface
-from geoweave.cli.weave_command import Asked
 from geoweave.files import OutputError
 from geoweave.meshing.write import write_mesh
 from geoweave.models import shapes
 from geoweave.pipeline import batch as engine
-from geoweave.pipeline.batch import COLUMNS, Row, folder_names, sweep, table_texts
+from geoweave.pipeline.batch import folder_names, sweep
+from geoweave.pipeline.design import WeaveRequest
+from geoweave.pipeline.source import MeshSource
+from geoweave.pipeline.sweep_table import Row
 
-ASKED = Asked(6, None, 0.5, None, None, None, ("json",), False)
+REQUEST = WeaveRequest(scale=0.5, relax=False)
 
 
 @pytest.fixture
-def cones(tmp_path: Path) -> list[Surface]:
+def cones(tmp_path: Path) -> list[MeshSource]:
     """Two cones that weave in half a second."""
     found = []
     for name, faces in (("blunt", 300), ("sharp", 340)):
         write_mesh(shapes.cone(faces=faces), tmp_path / f"{name}.obj")
-        found.append(Surface(str(tmp_path / f"{name}.obj"), faces, 0, False, "keep"))
+        found.append(MeshSource(str(tmp_path / f"{name}.obj"), faces))
     return found
 
 
@@ -60,10 +61,10 @@ def test_the_digest_of_the_source_sees_every_sub_package(
     engine.source_digest.cache_clear()
 
 
-def test_what_is_whole_and_current_is_kept(tmp_path: Path, cones: list[Surface]) -> None:
+def test_what_is_whole_and_current_is_kept(tmp_path: Path, cones: list[MeshSource]) -> None:
     out = tmp_path / "out"
     seen: list[tuple[Row, int]] = []
-    rows = sweep(cones, ASKED, out, callback=lambda *what: seen.append(what))
+    rows = sweep(cones, REQUEST, out, callback=lambda *what: seen.append(what))
     assert states(rows) == ["done", "done"]
     assert seen == [(row, 2) for row in rows]
     assert sorted(path.name for path in out.iterdir()) == ["blunt", "sharp", "table.csv", "table.md"]
@@ -78,31 +79,31 @@ def test_what_is_whole_and_current_is_kept(tmp_path: Path, cones: list[Surface])
     assert rows[1].result["mesh"] == cones[1].name
 
     first = contents(out)
-    again = sweep(cones, ASKED, out)
+    again = sweep(cones, REQUEST, out)
     assert states(again) == ["kept", "kept"]
     assert contents(out) == first
     assert [row.result for row in again] == [row.result for row in rows]
 
     # a file that is not what it was, one that is gone, and a record that is cut short
     (out / "blunt" / "weave.json").write_text("{}")
-    assert states(sweep(cones, ASKED, out)) == ["done", "kept"]
+    assert states(sweep(cones, REQUEST, out)) == ["done", "kept"]
     (out / "sharp" / "report.json").unlink()
-    assert states(sweep(cones, ASKED, out)) == ["kept", "done"]
+    assert states(sweep(cones, REQUEST, out)) == ["kept", "done"]
     record = out / "sharp" / "sweep.json"
     record.write_bytes(record.read_bytes()[:300])
-    assert states(sweep(cones, ASKED, out)) == ["kept", "done"]
+    assert states(sweep(cones, REQUEST, out)) == ["kept", "done"]
     same = contents(out)
     assert {name for name in first if same[name] != first[name]} <= {"blunt/sweep.json", "sharp/sweep.json"}
 
 
 def test_another_mesh_option_or_version_is_woven_again(
-    tmp_path: Path, cones: list[Surface], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, cones: list[MeshSource], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out, cone = tmp_path / "out", cones[0]
-    sweep([cone], ASKED, out)
+    sweep([cone], REQUEST, out)
 
-    def kept(surface: Surface, asked: Asked = ASKED) -> bool:
-        (job,) = engine.jobs_of([surface], asked, tmp_path / "work")
+    def kept(source: MeshSource, request: WeaveRequest = REQUEST) -> bool:
+        (job,) = engine.jobs_of([source], request, tmp_path / "work")
         return engine._kept(job, out) is not None
 
     assert kept(cone)
@@ -117,7 +118,7 @@ def test_another_mesh_option_or_version_is_woven_again(
         {"formats": ("json", "rod")},
         {"relax": True},
     ):
-        assert not kept(cone, replace(ASKED, **other))
+        assert not kept(cone, replace(REQUEST, **other))
     for fact in ("package_version", "source_digest"):
         with monkeypatch.context() as patched:
             patched.setattr(engine, fact, lambda: "another")
@@ -130,18 +131,18 @@ def test_another_mesh_option_or_version_is_woven_again(
     assert kept(there)
     (moved / "blunt.obj").write_bytes((moved / "blunt.obj").read_bytes() + b"# a comment\n")
     assert not kept(there)
-    assert states(sweep([there], replace(ASKED, scale=0.45), out)) == ["done"]
-    assert kept(there, replace(ASKED, scale=0.45))
+    assert states(sweep([there], replace(REQUEST, scale=0.45), out)) == ["done"]
+    assert kept(there, replace(REQUEST, scale=0.45))
     assert not kept(there)
 
 
-def test_files_of_an_earlier_sweep_go_and_others_stay(tmp_path: Path, cones: list[Surface]) -> None:
+def test_files_of_an_earlier_sweep_go_and_others_stay(tmp_path: Path, cones: list[MeshSource]) -> None:
     out, only = tmp_path / "out", cones[:1]
-    sweep(only, replace(ASKED, formats=("json", "rod")), out)
+    sweep(only, replace(REQUEST, formats=("json", "rod")), out)
     folder = out / "blunt"
     assert (folder / "weave.rod").is_file()
     (folder / "notes.txt").write_text("mine")
-    sweep(only, ASKED, out)
+    sweep(only, REQUEST, out)
     assert sorted(path.name for path in folder.iterdir()) == [
         "notes.txt",
         "report.json",
@@ -150,12 +151,12 @@ def test_files_of_an_earlier_sweep_go_and_others_stay(tmp_path: Path, cones: lis
     ]
 
 
-def test_a_mesh_that_fails_stops_no_other_and_leaves_no_folder(tmp_path: Path, cones: list[Surface]) -> None:
+def test_a_mesh_that_fails_stops_no_other(tmp_path: Path, cones: list[MeshSource]) -> None:
     (tmp_path / "bad.obj").write_text("v 0 0 0\nf 1 2 3\n")
     bad = replace(cones[0], name=str(tmp_path / "bad.obj"))
     gone = replace(cones[0], name=str(tmp_path / "gone.obj"))
     out = tmp_path / "out"
-    rows = sweep([bad, gone, cones[0]], ASKED, out, jobs=2)
+    rows = sweep([bad, gone, cones[0]], REQUEST, out, jobs=2)
     assert states(rows) == ["failed", "failed", "done"]
     assert rows[0].problem.startswith(f"{bad.name}: ")
     assert "vertex 2" in rows[0].problem
@@ -169,15 +170,15 @@ def test_a_mesh_that_fails_stops_no_other_and_leaves_no_folder(tmp_path: Path, c
 
 
 def test_a_fault_of_ours_is_a_row_with_its_traceback(
-    tmp_path: Path, cones: list[Surface], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, cones: list[MeshSource], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (job,) = engine.jobs_of(cones[:1], ASKED, tmp_path / "work")
+    (job,) = engine.jobs_of(cones[:1], REQUEST, tmp_path / "work")
     (tmp_path / "work").mkdir()
 
     def broken(*_: object) -> None:
         raise ZeroDivisionError("a fault")
 
-    monkeypatch.setattr(engine, "woven", broken)
+    monkeypatch.setattr(engine, "weave_file", broken)
     outcome = engine.weave_one(job)
     assert outcome["problem"] == (
         f"{cones[0].name}: a fault of geoweave (ZeroDivisionError: a fault); please report it"
@@ -187,12 +188,12 @@ def test_a_fault_of_ours_is_a_row_with_its_traceback(
     def exhausted(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(engine, "woven", exhausted)
+    monkeypatch.setattr(engine, "weave_file", exhausted)
     assert "not enough memory" in engine.weave_one(job)["problem"]
 
 
-def test_workers_that_cannot_do_it_say_so(tmp_path: Path, cones: list[Surface]) -> None:
-    (job,) = engine.jobs_of(cones[:1], ASKED, tmp_path / "nowhere" / "work", code=engine.source_digest())
+def test_workers_that_cannot_do_it_say_so(tmp_path: Path, cones: list[MeshSource]) -> None:
+    (job,) = engine.jobs_of(cones[:1], REQUEST, tmp_path / "nowhere" / "work", code=engine.source_digest())
     assert f"does not see {tmp_path / 'nowhere'}" in engine.weave_one(job)["problem"]
     assert "another geoweave" in engine.weave_one(replace(job, code="an older one"))["problem"]
 
@@ -208,29 +209,18 @@ def test_folders_are_named_after_meshes() -> None:
     assert len({name.casefold() for name in odd}) == 5
 
 
-def test_a_mesh_that_is_named_twice_is_woven_once(tmp_path: Path, cones: list[Surface]) -> None:
+def test_a_mesh_that_is_named_twice_is_woven_once(tmp_path: Path, cones: list[MeshSource]) -> None:
     (tmp_path / "link.obj").symlink_to(tmp_path / "blunt.obj")
     twice = [cones[0], replace(cones[0], name=str(tmp_path / "link.obj")), cones[1], cones[0]]
-    jobs = engine.jobs_of(twice, ASKED, tmp_path / "work")
+    jobs = engine.jobs_of(twice, REQUEST, tmp_path / "work")
     assert [job.name for job in jobs] == ["blunt", "sharp"]
-    assert [job.name for job in engine.jobs_of(twice[1:2], ASKED, tmp_path / "work")] == ["link"]
+    assert [job.name for job in engine.jobs_of(twice[1:2], REQUEST, tmp_path / "work")] == ["link"]
 
 
-def test_tables_hold_no_times_and_break_on_nothing() -> None:
-    rows = [Row("a|b.obj", "a|b", "failed", 'a|b.obj: "odd", it\'s | so')]
-    texts = table_texts(rows)
-    (line,) = csv.DictReader(texts["table.csv"].splitlines())
-    assert line["problem"] == rows[0].problem
-    assert list(line) == ["mesh", "folder", *COLUMNS, "problem"]
-    assert not any("second" in column for column in line)
-    lines = texts["table.md"].splitlines()
-    assert len({each.replace("\\|", "").count("|") for each in lines}) == 1
-
-
-def test_nothing_is_left_where_nothing_can_be_written(tmp_path: Path, cones: list[Surface]) -> None:
+def test_nothing_is_left_where_nothing_can_be_written(tmp_path: Path, cones: list[MeshSource]) -> None:
     with pytest.raises(OutputError, match="there is no folder"):
-        sweep(cones, ASKED, tmp_path / "no" / "where")
+        sweep(cones, REQUEST, tmp_path / "no" / "where")
     (tmp_path / "out" / "table.csv").mkdir(parents=True)
     with pytest.raises(OutputError, match="is a folder"):
-        sweep(cones, ASKED, tmp_path / "out")
+        sweep(cones, REQUEST, tmp_path / "out")
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["table.csv"]

@@ -1,0 +1,184 @@
+"""From a ``pattern.json`` to its twin: the strips put together in simulation, and compared with the weave."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from geoweave.errors import FieldError
+from geoweave.files import checked_folder
+from geoweave.pipeline.source import Say, about, silent, timed
+from geoweave.pipeline.weave_folder import (
+    earlier_report,
+    listed_files,
+    text_jobs,
+    write_reported,
+    write_texts,
+)
+
+if TYPE_CHECKING:
+    from geoweave.fabrication import Pattern
+    from geoweave.rods import Step
+    from geoweave.twin import Likeness, Twin
+
+__all__ = ["TwinOfFile", "twin_file"]
+
+BESIDE = {"woven": "relaxed.json", "designed": "weave.json"}
+"""Weaves that a twin is compared with, where they lie beside the pattern."""
+
+
+@dataclass(frozen=True, eq=False)
+class TwinOfFile:
+    """The twin of a pattern, and how far it is from the weaves beside it."""
+
+    path: Path
+    """Of the pattern."""
+    twin: Twin
+    likeness: dict[str, Likeness]
+    """By "woven" (as relaxed) and "designed"; only those that lie beside the pattern."""
+    genus_designed: int | None
+    """Of the surface that the weave was designed on; None if no design lies beside the pattern."""
+    seconds: dict[str, float]
+    files: dict[str, Path]
+
+    @property
+    def target(self) -> Likeness | None:
+        """The comparison that decides: with the weave as relaxed if there is one, else as designed."""
+        return next(iter(self.likeness.values()), None)
+
+    def document(self) -> dict[str, Any]:
+        """All numbers, as ``geoweave twin --json`` prints them."""
+        return {
+            "pattern": str(self.path),
+            "ribbons": len(self.twin.pattern.strips),
+            "crossings": len(self.twin.pattern.ribbons),
+            **twin_numbers(self.twin, self.likeness),
+            "genus_designed": self.genus_designed,
+            "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
+            "files": [str(path) for path in self.files.values()],
+        }
+
+
+def twin_file(
+    source: str | os.PathLike[str],
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    anyway: bool = False,
+    callback: Say | None = None,
+) -> TwinOfFile:
+    """Put a pattern together in simulation, compare it with the weaves beside it, and write ``twin.json``.
+
+    The twin is made of the strips alone; ``relaxed.json`` and ``weave.json`` are only compared with it.
+
+    Parameters
+    ----------
+    source : a folder of a weave, or a ``pattern.json``
+    folder : for ``twin.json``; that of the pattern if not given
+    anyway : put together also a pattern that contradicts itself
+    callback : called with one line of progress at a time
+
+    Raises
+    ------
+    FieldError
+        If there is no pattern, or it contradicts itself.
+    OutputError
+        If the file cannot be written.
+    """
+    from geoweave.rods import read_weave
+
+    path, say = Path(source), callback or silent
+    path = path / "pattern.json" if path.is_dir() else path
+    target = checked_folder(path.parent if folder is None else folder)
+    seconds: dict[str, float] = {}
+    with timed(seconds, "read"):
+        pattern = _read(path)
+        beside = {
+            what: read_weave(path.with_name(name))
+            for what, name in BESIDE.items()
+            if path.with_name(name).is_file()
+        }
+    with about(str(path)):
+        twin, likeness = _assembled(pattern, beside, anyway, seconds, say)
+    with timed(seconds, "write"):
+        files = _write(path, target, twin, likeness)
+    seconds["total"] = sum(seconds.values())
+    genus = beside["designed"]["surface"]["genus"] if "designed" in beside else None
+    return TwinOfFile(path, twin, likeness, genus, seconds, files)
+
+
+def twin_numbers(twin: Twin, likeness: Mapping[str, Likeness]) -> dict[str, Any]:
+    """What is said of a twin itself, and of its distance from the weaves that it was compared with."""
+    target = next(iter(likeness.values()), None)
+    return {
+        **twin.metrics(),
+        **{what: likeness[what].document() if what in likeness else None for what in BESIDE},
+        "comes_back": None if target is None else target.comes_back,
+    }
+
+
+def _assembled(
+    pattern: Pattern, beside: Mapping[str, Any], anyway: bool, seconds: dict[str, float], say: Say
+) -> tuple[Twin, dict[str, Likeness]]:
+    """Put a pattern together, and its mirror image too where the strips do not tell them apart."""
+    say("putting the strips together")
+    twin = _twin(pattern, anyway, say)
+    seconds |= twin.seconds
+    with timed(seconds, "compare"):
+        likeness = _compared(twin, beside)
+    if likeness and not twin.side_known:
+        # The strips allow two mirror images; the one that is nearer to the weave is the one that was meant.
+        say("putting the mirror image together")
+        image = _twin(pattern, anyway, say, mirrored=True)
+        other = _compared(image, beside)
+        seconds |= {key: seconds[key] + more for key, more in image.seconds.items()}
+        if next(iter(other.values())).ribbons.rms < next(iter(likeness.values())).ribbons.rms:
+            return image, other
+    return twin, likeness
+
+
+def _twin(pattern: Pattern, anyway: bool, say: Say, *, mirrored: bool = False) -> Twin:
+    from geoweave.twin import assembled
+
+    def told(step: Step) -> None:
+        say(f"relaxing: step {step.number}, forces balance to {step.gradient:.1g}")
+
+    return assembled(pattern, anyway=anyway, mirrored=mirrored, callback=told)
+
+
+def _compared(twin: Twin, beside: Mapping[str, Any]) -> dict[str, Likeness]:
+    """How far a twin is from each of the weaves."""
+    return {what: twin.compared(document, BESIDE[what]) for what, document in beside.items()}
+
+
+def _write(path: Path, folder: Path, twin: Twin, likeness: Mapping[str, Likeness]) -> dict[str, Path]:
+    """Write the twin; beside its own pattern the report says of it too, and lists it."""
+    said = twin_numbers(twin, likeness)
+    document = twin.document(next(iter(likeness.values()), None))
+    document["metrics"]["twin"] = said
+    texts = {"twin.json": json.dumps(document, allow_nan=False) + "\n"}
+    listed = listed_files(folder)
+    if path.name in listed and folder.samefile(path.parent):
+        # What the report lists, the next weave into this folder takes away.
+        return write_reported(text_jobs(texts), earlier_report(folder) | {"twin": said}, folder, kept=listed)
+    return write_texts(texts, folder)
+
+
+def _read(path: Path) -> Pattern:
+    """Read a pattern, or say in one sentence why not."""
+    from geoweave.fabrication import Pattern
+
+    try:
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise FieldError(
+            f"{path}: cannot be read ({error.strerror}); make one with 'geoweave weave --formats pattern'"
+        ) from error
+    except ValueError as error:
+        raise FieldError(f"{path}: is not JSON ({error}); write the pattern again") from error
+    if not isinstance(document, dict):
+        raise FieldError(f"{path}: is not a pattern; give a pattern.json of 'geoweave weave'")
+    return Pattern.from_document(document, str(path))
