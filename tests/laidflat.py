@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from geoweave.fabrication.flattening import pattern_of
 from geoweave.fabrication.nesting import Sheet, Stock, nested
-from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making, pieces_of
 from geoweave.fabrication.strip_drawing import drawn
 from geoweave.models import shapes

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.fabrication.flattening import pattern_of
+from geoweave.fabrication.pattern import Pattern
 from geoweave.models import shapes
 from geoweave.rods.weave_at_rest import relaxed_weave
 from geoweave.twin.pattern_surface import PatternSurface

@@ -1,4 +1,5 @@
 from .colours import Colours as Colours
+from .flattening import pattern_of as pattern_of
 from .maker_files import (
     FORMATS as FORMATS,
     check_formats as check_formats,
@@ -6,7 +7,7 @@ from .maker_files import (
     write as write,
 )
 from .nesting import Laid as Laid, Sheet as Sheet, Stock as Stock
-from .pattern import Pattern as Pattern, pattern_of as pattern_of
+from .pattern import Pattern as Pattern
 from .pdf import FOOT as FOOT, MARGIN as MARGIN, PAPERS as PAPERS, Paper as Paper, write_pdf as write_pdf
 from .pieces import Making as Making, pieces_of as pieces_of
 from .strip_drawing import drawn as drawn

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from geoweave.arrays import Vectors
 from geoweave.fabrication.colours import FAMILIES
-from geoweave.fabrication.pattern import WeaveLike, weave_document
+from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.files import replacing
 from geoweave.weave import SECTIONS, Body, Centreline, bodies
 

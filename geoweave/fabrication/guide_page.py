@@ -16,10 +16,11 @@ from geoweave.checkout import PACKAGE
 from geoweave.errors import FieldError
 from geoweave.fabrication.assembly_order import Step, assembly
 from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.fabrication.guide_payload import drawings, shape
 from geoweave.fabrication.guide_threejs import three_js
 from geoweave.fabrication.marks import MARKS, outline
-from geoweave.fabrication.pattern import Pattern, WeaveLike, weave_document
+from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making
 
 __all__ = ["guide_content", "guide_html"]

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from geoweave.arrays import Indices
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import Colours, Ink, ink
+from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.fabrication.glb import ribbon_bodies
-from geoweave.fabrication.pattern import Pattern, WeaveLike, weave_document
+from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making, pieces_of
 from geoweave.fabrication.strip_drawing import drawn
 from geoweave.fabrication.strip_figures import Drawn

@@ -7,7 +7,8 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from geoweave.fabrication.pattern import Pattern, WeaveLike, weave_document
+from geoweave.fabrication.flattening import WeaveLike, weave_document
+from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pdf import PAPERS
 from geoweave.fabrication.strip_layout import Bench, StripLayout
 from geoweave.files import Job, OutputError, chosen, written_together

@@ -15,10 +15,11 @@ from geoweave.fabrication.assembly_order import Step, assembly
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.cut_list import cut_list
 from geoweave.fabrication.dxf import write_dxf
+from geoweave.fabrication.flattening import WeaveLike, pattern_of, weave_document
 from geoweave.fabrication.glb import write_glb
 from geoweave.fabrication.guide_page import guide_html
 from geoweave.fabrication.nesting import Sheet, Stock, nested
-from geoweave.fabrication.pattern import Pattern, WeaveLike, pattern_of, weave_document
+from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pdf import PAPERS, laid_on_pages, page_stock, write_pdf
 from geoweave.fabrication.pieces import Making, pieces_of
 from geoweave.fabrication.strip_drawing import drawn

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 
-from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.fabrication.flattening import pattern_of
+from geoweave.fabrication.pattern import Pattern
 from geoweave.models import catalogue
 from geoweave.rods.weave_at_rest import relaxed_weave
 from geoweave.twin.twin import assembled

@@ -7,7 +7,8 @@ import pytest
 from laidflat import NAMES, UP, crossing, document, flat, patterns, ribbon
 
 from geoweave.fabrication.assembly_order import BACKBONE, MEDIUM, assembly
-from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.fabrication.flattening import pattern_of
+from geoweave.fabrication.pattern import Pattern
 
 
 def meets(pattern: Pattern, one: int, others: set[int]) -> int:

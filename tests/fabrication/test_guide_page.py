@@ -16,9 +16,9 @@ from laidflat import bow_tie, circles, cone, document, flat, patterns
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.assembly_order import assembly
+from geoweave.fabrication.flattening import pattern_of
 from geoweave.fabrication.guide_page import guide_html
 from geoweave.fabrication.maker_files import write
-from geoweave.fabrication.pattern import pattern_of
 from geoweave.files import OutputError
 
 SOURCES = {"flat": flat, "circles": circles, "bow tie": bow_tie, "cone": lambda: cone().document()}

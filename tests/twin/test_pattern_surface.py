@@ -8,7 +8,7 @@ import pytest
 from twinned import pattern, woven
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.pattern import pattern_of
+from geoweave.fabrication.flattening import pattern_of
 from geoweave.twin.contradictions import contradictions_of
 from geoweave.twin.pattern_surface import surface_of
 

@@ -8,7 +8,7 @@ import pytest
 from twinned import pattern, woven
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.pattern import pattern_of
+from geoweave.fabrication.flattening import pattern_of
 from geoweave.rods.departure import rigid_fit
 from geoweave.twin.pattern_surface import surface_of
 from geoweave.twin.placement import Net, crossing_normals, net_of, outward, placed, scaled, settled

@@ -12,7 +12,8 @@ import pytest
 from twinned import inner, pattern, twin, woven
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.pattern import Pattern, pattern_of
+from geoweave.fabrication.flattening import pattern_of
+from geoweave.fabrication.pattern import Pattern
 from geoweave.rods.weave_file import read_weave, rods_of_document
 from geoweave.twin.pattern_surface import surface_of
 from geoweave.twin.twin import COMES_BACK, assembled

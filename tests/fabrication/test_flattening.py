@@ -1,0 +1,83 @@
+"""Laid flat, a ribbon keeps its length and its crossings; how far it is from straight is said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from laidflat import UP, cone, flat, patterns
+
+from geoweave.errors import FieldError
+from geoweave.fabrication.flattening import bow_and_turning, pattern_of, weave_document
+from geoweave.rods.weave_at_rest import relaxed_weave
+
+
+def test_lines_in_the_plane_cross_at_sixty_degrees() -> None:
+    pattern = patterns()["flat"]
+    families = np.array([strip.family for strip in pattern.strips])[pattern.ribbons]
+    np.testing.assert_allclose(pattern.angle, 60.0 * (families[:, 1] - families[:, 0]))
+    assert all(strip.bow < 1e-9 and strip.turning < 1e-9 for strip in pattern.strips)
+    assert [strip.length for strip in pattern.strips] == pytest.approx([150.0] * 12)
+
+
+def test_great_circles_are_straight_and_cross_at_right_angles() -> None:
+    pattern = patterns()["circles"]
+    around = pattern.strips[0].length
+    assert around == pytest.approx(2 * np.pi * 60, rel=2e-4)
+    # A chord of the circle stands for an arc of 3 degrees, and the angle is measured on the chord.
+    np.testing.assert_allclose(np.abs(pattern.angle), 90.0, atol=0.05)
+    assert sorted(np.sign(pattern.angle[pattern.ribbons[:, 0] == 0])) == [-1, 1]
+    assert all(strip.closed and strip.bow < 1e-9 for strip in pattern.strips)
+
+
+def test_bow_of_an_arc_in_the_plane() -> None:
+    radius, angle = 500.0, np.radians(np.linspace(0, 20, 401))
+    points = radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    bow, turning = bow_and_turning(points, np.broadcast_to(UP, points.shape), False)
+    assert bow == pytest.approx(radius * (1 - np.cos(np.radians(10))), rel=1e-4)
+    assert turning == pytest.approx(20, rel=5e-3)
+
+
+def test_bow_of_a_circle_of_latitude_is_that_of_the_cone_that_touches_it() -> None:
+    """Laid flat, a parallel at the latitude b of the unit sphere is an arc of radius cot b."""
+    latitude, angle = np.radians(50), np.radians(np.linspace(0, 40, 2001))
+    middle = angle + 0.5 * (angle[1] - angle[0])
+    ring = [np.cos(latitude) * np.cos(angle), np.cos(latitude) * np.sin(angle), 0 * angle + np.sin(latitude)]
+    up = [np.cos(latitude) * np.cos(middle), np.cos(latitude) * np.sin(middle), 0 * angle + np.sin(latitude)]
+    bow, turning = bow_and_turning(np.stack(ring, axis=1), np.stack(up, axis=1), False)
+    swept = np.radians(40) * np.sin(latitude)
+    assert turning == pytest.approx(np.degrees(swept), rel=2e-3)
+    assert bow == pytest.approx((1 - np.cos(swept / 2)) / np.tan(latitude), rel=2e-3)
+
+
+def test_a_solved_weave_keeps_its_lengths_angles_and_turning() -> None:
+    weave, pattern = cone(), patterns()["cone"]
+    curves, met, unit = weave.ribbons.curves, weave.ribbons.crossings, weave.placement.scale
+    np.testing.assert_allclose([strip.length for strip in pattern.strips], curves.lengths * unit)
+    np.testing.assert_allclose(pattern.at, met.arclength * unit)
+    np.testing.assert_allclose(pattern.angle, np.degrees(met.angle), atol=1e-4)
+    np.testing.assert_array_equal(pattern.over, weave.interlacing.over)
+    for r, strip in enumerate(pattern.strips):
+        own = slice(curves.offsets[r], curves.offsets[r + 1])
+        heading = np.concatenate([[0.0], np.cumsum(curves.turning[own][1:-1])])
+        assert strip.turning == pytest.approx(np.degrees(np.ptp(heading)), abs=0.02)
+
+
+def test_whatever_has_the_document_of_a_weave_is_laid_flat() -> None:
+    weave = cone()
+    rest = relaxed_weave(weave, rounds=1)
+    for each in (weave, rest):
+        assert pattern_of(each).document() == pattern_of(each.document()).document()
+    assert weave_document(flat()) == flat()
+    with pytest.raises(FieldError, match="is not a geoweave-weave of version 1"):
+        weave_document(patterns()["flat"])  # a pattern has a document too, but no place in space
+    with pytest.raises(FieldError, match="is not a geoweave-weave of version 1"):
+        weave_document(flat() | {"version": 2})
+
+
+def test_refusals() -> None:
+    with pytest.raises(FieldError, match="lengths in mm"):
+        pattern_of({**flat(), "units": "mesh"})
+    with pytest.raises(FieldError, match=r"other\.json: is not a geoweave-weave"):
+        pattern_of({"format": "geoweave-report"}, "other.json")
+    with pytest.raises(FieldError, match="missing or wrong"):
+        pattern_of({**flat(), "ribbons": [{}]})
