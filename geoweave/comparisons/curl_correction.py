@@ -14,13 +14,15 @@ from geoweave.arrays import Complexes, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, as_real, face_mass, field_mass, gradient
 from geoweave.sparse import factorized, nested_dissection, one_blas_thread
-from geoweave.surface import TriMesh
 
 Measure: TypeAlias = Literal["absolute", "relative"]
 """Which curl is made small: see `curl_corrected_scale`."""
 
 SMOOTHNESS: dict[Measure, float] = {"absolute": 1e-4, "relative": 1e-2}
 """Weight of the gradient of the scale: the paper's mu of Eq. 7, and what is best on the sphere of Fig. 13."""
+
+DEFINITE = 1e-8
+"""Weight of the values of the scale, over the area: it holds constants and is too small to move the rest."""
 
 LEAST = 0.01
 """Least value of a scale that is not positive by construction, as a share of its mean."""
@@ -68,8 +70,8 @@ def curl_corrected_scale(
     corners, areas = mesh.faces.ravel(), np.repeat(mesh.face_areas / 3.0, 3)
     lumped = np.bincount(corners, areas, mesh.n_vertices)
     stiffness = weight * (gradient(mesh).T @ field_mass(mesh) @ gradient(mesh))
-    # A flat constant field leaves the constants free; so small a weight on the values moves nothing else.
-    stiffness = stiffness + sparse.diags_array(1e-8 * lumped / mesh.face_areas.sum())
+    # A flat constant field leaves the constants free.
+    stiffness = stiffness + sparse.diags_array(DEFINITE * lumped / mesh.face_areas.sum())
     if measure == "absolute":
         matrix = of_scale.T @ face_mass(mesh) @ of_scale + stiffness
         # Lagrange: the least form among scales of one mean is a multiple of this.
@@ -81,8 +83,8 @@ def curl_corrected_scale(
         at_vertices = np.exp(-_solved(matrix, along.T @ (mesh.face_areas * constant)))
     scale = at_vertices[mesh.faces].mean(axis=1)
     if measure == "absolute":
-        scale = np.maximum(scale, LEAST * _mean(mesh, scale))
-    return frozen(scale / _mean(mesh, scale))
+        scale = np.maximum(scale, LEAST * mesh.component_means(scale)[mesh.face_components])
+    return frozen(scale / mesh.component_means(scale)[mesh.face_components])
 
 
 def local_curl(field: FaceField) -> sparse.csr_array:
@@ -139,10 +141,3 @@ def _tilted(vectors: Vectors, start: Vectors, end: Vectors) -> Vectors:
 def _solved(matrix: sparse.csr_array, right: Scalars) -> Scalars:
     held = sparse.csr_array(matrix)
     return factorized(held, nested_dissection(held)).solve(right)
-
-
-def _mean(mesh: TriMesh, values: Scalars) -> Scalars:
-    """(F,) area mean of face values over the component of each face."""
-    component = mesh.face_components
-    total = np.bincount(component, mesh.face_areas * values)
-    return np.asarray((total / np.bincount(component, mesh.face_areas))[component])

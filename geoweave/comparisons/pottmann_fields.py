@@ -1,7 +1,4 @@
-"""What Section 4.1 compares geodesic fields with: anti-holomorphic fields, and those of Pottmann et al. 2010.
-
-The third method of Figs. 3 and 7, the field of least Dirichlet energy, is `smoothest_field`.
-"""
+"""Piecewise geodesic fields of Pottmann et al. 2010, with which Section 4.1 compares ours (Figs. 3 and 7)."""
 
 from __future__ import annotations
 
@@ -9,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from geoweave.arrays import Complexes, Scalars
+from geoweave.comparisons.fitted_derivatives import Derivatives
 from geoweave.errors import FieldError
 from geoweave.fields import (
     FaceField,
@@ -19,17 +16,16 @@ from geoweave.fields import (
     as_real,
     dual_weights,
     field_mass,
+    spectral_shift,
     transport_differences,
-    unit,
 )
 from geoweave.sparse import (
     Ordering,
     factorized,
     nested_dissection,
     one_blas_thread,
-    smallest_eigenpair,
 )
-from geoweave.surface import TriMesh, part_of
+from geoweave.surface import TriMesh
 
 SPECTRAL_FIELDS = 40
 """Eigenfields that span the nearly geodesic fields of `spectral_field`."""
@@ -49,150 +45,20 @@ SMOOTHING = 0.1
 SHARPENING_STEPS = 40
 """Gauss-Newton steps of `sharpened_field`, half of them while the scale of the curl falls."""
 
+EIGENFIELD_TOLERANCE = 1e-8
+"""Relative error of the eigenvalues of the spectral basis."""
 
-# -- the derivative of a face field, fitted --------------------------------------------------------------
+FIRST_QUANTILE = 0.95
+"""Sharpening begins with a scale of the curl that so many of the faces stay below."""
 
+FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-6
+"""Damping of a Gauss-Newton step at the start and at least, as a share of the mean of the form's diagonal."""
 
-@dataclass(frozen=True, eq=False)
-class _Derivatives:
-    """``u(c_f + z) = u_f + p z + q conj(z)``, fitted to the neighbours across the edges of each face.
+EASED, STIFFENED = 4.0, 8.0
+"""The damping is divided by the first after a step that lowered the energy, multiplied by the second else."""
 
-    The neighbours are unfolded into the plane of the face and their vectors transported into it; p and q are
-    the least squares solution. It is exact on linear fields of the plane. A face with one neighbour only
-    does not determine it and gets zeros, in the misfit too.
-
-    Attributes
-    ----------
-    p, q : (F, F) complex, acting on (F,) complex fields: the derivatives by z and by conj(z)
-    misfit : (3F, F) complex: what the fit leaves of the difference to each neighbour
-    """
-
-    p: sparse.csr_array
-    q: sparse.csr_array
-    misfit: sparse.csr_array
-
-
-def _derivatives(mesh: TriMesh) -> _Derivatives:
-    count = mesh.n_faces
-    known = mesh.face_neighbors >= 0
-    known &= known.sum(axis=1, keepdims=True) > 1
-    turn, offset = (np.where(known, each, 0.0) for each in _unfolded(mesh))
-    inverse = np.linalg.pinv(np.stack([offset, offset.conj()], axis=2))
-    faces, sides = np.repeat(np.arange(count), 3), np.arange(3 * count)
-    rows = np.concatenate([sides, sides])
-    columns = np.concatenate([np.where(known, mesh.face_neighbors, 0).ravel(), faces])
-    entries = np.concatenate([turn.ravel(), -known.ravel().astype(np.float64)])
-    differences = sparse.csr_array((entries, (rows, columns)), shape=(3 * count, count))
-    p, q = (
-        sparse.csr_array((inverse[:, k].ravel(), (faces, sides)), shape=(count, 3 * count)) @ differences
-        for k in (0, 1)
-    )
-    along, mirrored = (
-        sparse.csr_array((way.ravel(), (sides, faces)), shape=(3 * count, count))
-        for way in (offset, offset.conj())
-    )
-    return _Derivatives(p, q, sparse.csr_array(differences - along @ p - mirrored @ q))
-
-
-def _unfolded(mesh: TriMesh) -> tuple[Complexes, Complexes]:
-    """(F, 3) transport from each neighbour into the face, and the way to its unfolded centre; else 0."""
-    sides = mesh.halfedge_vectors
-    # From the middle of a side to the centre of its face: a third of the way to the opposite corner.
-    inward = ((sides[:, [1, 2, 0]] - sides[:, [2, 0, 1]]) / 6.0).ravel()
-    turn, offset = np.zeros((2, 3 * mesh.n_faces), dtype=np.complex128)
-    along, against = mesh.edge_halfedges[mesh.interior_edges].T
-    turn[along], turn[against] = mesh.transport.conj(), mesh.transport
-    offset[along] = turn[along] * inward[against] - inward[along]
-    offset[against] = turn[against] * inward[along] - inward[against]
-    return turn.reshape(-1, 3), offset.reshape(-1, 3)
-
-
-# -- Knöppel, Crane, Pinkall and Schröder 2013 ----------------------------------------------------------
-
-
-def conformal_energy(mesh: TriMesh, balance: float) -> sparse.csr_array:
-    """Energy between the anti-holomorphic and the holomorphic one, (F, F) Hermitian (Knöppel et al. 2013).
-
-    ``conj(u) @ E @ u = (1 + s) E_H + (1 - s) E_A``, s the balance: 1 is holomorphic, 0 Dirichlet, -1
-    anti-holomorphic. The halves ``E_H = 2 integral |du / d conj(z)|^2`` and ``E_A = 2 integral |du / dz|^2 =
-    1/2 integral (div^2 + curl^2)`` add up to the Dirichlet energy; their difference is ``E_A - E_H = integral
-    K |u|^2`` and a term on the boundary. Knöppel et al. start from that identity, for fields on vertices. On
-    faces the derivatives are fitted to the neighbours of each face; what the fit leaves, zero on linear
-    fields, counts as in Appendix B and keeps alternating fields out (DEVIATIONS.md, anti-holomorphic).
-
-    Parameters
-    ----------
-    balance : s, between -1 and 1
-
-    Returns
-    -------
-    (F, F) positive semi-definite
-
-    Raises
-    ------
-    FieldError
-        If the balance is out of range.
-    """
-    if not -1 <= balance <= 1:
-        raise FieldError(f"the balance of a conformal energy lies between -1 and 1, not at {balance}")
-    fit = _derivatives(mesh)
-    areas = sparse.diags_array(2.0 * mesh.face_areas)
-    weights = np.zeros(mesh.n_edges)
-    weights[mesh.interior_edges] = 0.5 * dual_weights(mesh)  # each edge is seen from both sides
-    left = sparse.diags_array(weights[mesh.face_edges].ravel())
-    return sparse.csr_array(
-        (1.0 + balance) * (fit.q.conj().T @ areas @ fit.q)
-        + (1.0 - balance) * (fit.p.conj().T @ areas @ fit.p)
-        + fit.misfit.conj().T @ left @ fit.misfit
-    )
-
-
-@one_blas_thread()
-def anti_holomorphic_field(mesh: TriMesh, seed: int | np.random.Generator = 0) -> FaceField:
-    """Compute the unit field of least anti-holomorphic energy (Knöppel et al. 2013, Fig. 7, second panel).
-
-    The eigenvector of ``E_A u = mu M u`` for the smallest mu, each vector scaled to length one. The energy is
-    the squared divergence plus the squared curl, so a rotation of all vectors by one angle leaves it
-    unchanged; which field of that circle comes out is up to the seed, as with ``phase="seeded"`` of
-    `smoothest_field`. On a sphere its minimisers are those of the Dirichlet energy, a space of
-    three complex dimensions, and the seed chooses among them.
-
-    Parameters
-    ----------
-    mesh : closed; each component gets its own field
-    seed : of the start vector
-
-    Returns
-    -------
-    FaceField of unit vectors
-
-    Raises
-    ------
-    FieldError
-        If the surface has a boundary: there every anti-holomorphic field has zero energy, infinitely many.
-    """
-    if len(mesh.boundary_edges):
-        raise FieldError(
-            "the anti-holomorphic energy needs a closed surface, and this one has "
-            f"{len(mesh.boundary_loops)} boundary loops: there infinitely many fields have no energy at all"
-        )
-    rng = np.random.default_rng(seed)
-    start: Complexes = rng.normal(size=mesh.n_faces) + 1j * rng.normal(size=mesh.n_faces)
-    values = np.empty(mesh.n_faces, dtype=np.complex128)
-    for component in range(mesh.n_components):
-        part = part_of(mesh, mesh.face_components == component)
-        areas = part.mesh.face_areas
-        energy = conformal_energy(part.mesh, -1.0)
-        # Harmonic fields have next to no energy: the shift, small against 1 / area, keeps it definite.
-        shift = 1e-3 / areas.sum()
-        factors = factorized(
-            sparse.csr_array(energy + sparse.diags_array(shift * areas)), nested_dissection(energy)
-        )
-        _, values[part.faces] = smallest_eigenpair(factors, areas, start[part.faces])
-    return FaceField(mesh, unit(values))
-
-
-# -- Pottmann, Huang, Deng, Schiftner, Kilian, Guibas and Wallner 2010 ----------------------------------
+TRIES = 10
+"""Dampings that are tried before the field stays as it is."""
 
 
 def fitted_curl(mesh: TriMesh) -> sparse.csr_array:
@@ -207,7 +73,7 @@ def fitted_curl(mesh: TriMesh) -> sparse.csr_array:
     -------
     (F, 2F) sparse, acting on ``as_real(field)``; unit: field / length
     """
-    p = _derivatives(mesh).p.tocoo()
+    p = Derivatives.fitted(mesh).p.tocoo()
     # 2 Im (p u) = 2 (Im p Re u + Re p Im u)
     return sparse.csr_array(
         (
@@ -239,6 +105,8 @@ def spectral_field(
     FieldError
         If the count or the weight is not positive, or there are not so many fields.
     """
+    from scipy.sparse.linalg import LinearOperator, eigsh
+
     mesh = initial.mesh
     if not (0 < count < mesh.n_faces and 0 < roughness < np.inf):
         raise FieldError(
@@ -247,8 +115,8 @@ def spectral_field(
         )
     energy = _geodesic_form(mesh, roughness)
     mass = field_mass(mesh).diagonal()
-    # Flat surfaces have fields without energy: the shift keeps the matrix definite.
-    shift = 1e-3 / mesh.face_areas.sum()
+    # Flat surfaces have fields without energy.
+    shift = spectral_shift(mesh.face_areas)
     factors = factorized(
         sparse.csr_array(energy + sparse.diags_array(shift * mass)), nested_dissection(energy)
     )
@@ -257,7 +125,7 @@ def spectral_field(
         energy.shape, matvec=lambda u: root * factors.solve(root * u.ravel()), dtype=np.float64
     )
     start = np.random.default_rng(0).normal(size=len(mass))
-    _, vectors = eigsh(inverse, k=count, which="LM", v0=start, tol=1e-8, rng=0)
+    _, vectors = eigsh(inverse, k=count, which="LM", v0=start, tol=EIGENFIELD_TOLERANCE, rng=0)
     return FaceField(mesh, as_complex(vectors @ (vectors.T @ (root * as_real(initial.values))) / root))
 
 
@@ -343,9 +211,9 @@ def sharpened_field(
         )
     problem = _Sharpening(mesh, turn, weight)
     w = initial.normalized().values
-    first = max(last, float(np.quantile(np.abs(problem.curl @ as_real(w)), 0.95)))
+    first = max(last, float(np.quantile(np.abs(problem.curl @ as_real(w)), FIRST_QUANTILE)))
     falling = np.geomspace(first, last, max(steps // 2, 1))
-    record, damping = [], 1e-3
+    record, damping = [], FIRST_DAMPING
     for level in (*falling, *([last] * (steps - len(falling)))):
         before = problem.energy(w, level)
         w, after, damping = problem.step(w, level, before, damping)
@@ -395,13 +263,13 @@ class _Sharpening:
         if self.ordering is None:
             self.ordering = nested_dissection(form)
         share = self.mesh.face_areas * (form.diagonal().mean() / self.mesh.face_areas.mean())
-        for _ in range(10):
+        for _ in range(TRIES):
             factors = factorized(sparse.csr_array(form + sparse.diags_array(damping * share)), self.ordering)
             trial = w * np.exp(-1j * factors.solve(slope))
             reached = self.energy(trial, scale)
             if reached <= energy:
-                return trial, reached, max(damping / 4.0, 1e-6)
-            damping *= 8.0
+                return trial, reached, max(damping / EASED, LEAST_DAMPING)
+            damping *= STIFFENED
         return w, energy, damping
 
 

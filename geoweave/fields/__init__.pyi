@@ -29,6 +29,7 @@ from .operators import (
     field_mass as field_mass,
     gradient as gradient,
     sharp as sharp,
+    spectral_shift as spectral_shift,
     transport_differences as transport_differences,
 )
 from .rosy import (

@@ -12,6 +12,9 @@ from geoweave.arrays import Complexes, Flags, Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
 from geoweave.surface import TriMesh
 
+STEEP = 1e-9
+"""A vector has no direction in a plane that holds less than this share of its length."""
+
 
 @dataclass(frozen=True, eq=False)
 class FaceField:
@@ -150,7 +153,7 @@ class Handles:
         planar = np.einsum("hx,hx->h", ambient, frames[:, 0]) + 1j * np.einsum(
             "hx,hx->h", ambient, frames[:, 1]
         )
-        steep = ~(np.abs(planar) > 1e-9 * np.linalg.norm(ambient, axis=1))
+        steep = ~(np.abs(planar) > STEEP * np.linalg.norm(ambient, axis=1))
         if steep.any():
             raise FieldError(
                 f"the handle on face {int(index[steep][0])} has no direction in its plane; tilt it"

@@ -38,11 +38,34 @@ INTEGRABLE_END = 4.0
 ROUNDING = 1e-6
 """Rise of the energy, as a share of it, up to which it is rounding; slivers cost 2e-7 on a remeshed scan."""
 
+AREA_ROUNDING = 1e-11
+"""Rise of the energy, as a share of the area, up to which it is rounding; for fields that have hardly any."""
+
 PROBING_STEPS = 10
 """Steps from each rotation of the initial field before the most promising one is chosen."""
 
+LEVELS = 3
+"""Values of lambda in the default schedule."""
 
-def sharpening_schedule(mesh: TriMesh, levels: int = 3, finest: float = SHARPENING_END) -> tuple[float, ...]:
+STEPS = 25
+"""Most steps of Algorithm 1 at one value of lambda."""
+
+LAST_STEPS = 2
+"""So many times `STEPS` are allowed at the last value of lambda, which decides the field."""
+
+STILL = 1e-4
+"""A value of lambda is done when the root mean square change of the unit field in a step is below this."""
+
+REPEATED = 1e-11
+"""Constraints of handles whose eigenvalue is below this share of the largest repeat other constraints."""
+
+CONTRADICTION = 1e-6
+"""Misfit of a unit vector on a handle beyond which the handles contradict one another."""
+
+
+def sharpening_schedule(
+    mesh: TriMesh, levels: int = LEVELS, finest: float = SHARPENING_END
+) -> tuple[float, ...]:
     """Smoothness weights from coarse to fine, a geometric sequence ("sharpening", Section 4.1.2).
 
     From 0.02 R^2, R the bounding radius, to 0.005 h^2, h the mean edge length: first the field settles as
@@ -209,10 +232,10 @@ class _Pins:
         schur = self._constraint @ self._response
         # Touching handle faces share an edge, so some constraints repeat others: a pseudo-inverse.
         size, axes = np.linalg.eigh(schur)
-        kept = size > 1e-11 * size[-1]
+        kept = size > REPEATED * size[-1]
         self._inverse = (axes[:, kept] / size[kept]) @ axes[:, kept].T
         misfit = np.abs(schur @ (self._inverse @ self._values) - self._values).reshape(-1, 2).max(axis=1)
-        if misfit.max() > 1e-6:
+        if misfit.max() > CONTRADICTION:
             raise FieldError(
                 f"the handle on face {int(handles.faces[misfit.argmax()])} contradicts its neighbours: no "
                 "curl-free field takes their values (across a shared edge both must have the same "
@@ -244,8 +267,8 @@ def geodesic_field(
     initial: FaceField,
     *,
     smoothness: Sequence[float] | None = None,
-    iterations: int = 25,
-    tolerance: float = 1e-4,
+    iterations: int = STEPS,
+    tolerance: float = STILL,
     handles: Handles | None = None,
     phases: int = 1,
     acceleration: Acceleration = "momentum",
@@ -303,7 +326,7 @@ def geodesic_field(
     remaining = len(schedule)
     for project in _projections(fields, schedule, ordering, handles):
         remaining -= 1
-        limit = iterations if remaining else 2 * iterations
+        limit = iterations if remaining else LAST_STEPS * iterations
         if remaining == len(schedule) - 1 and phases > 1:
             w = _promising_phase(project, w, phases, tolerance, acceleration)
             start = FaceField(mesh, w)
@@ -355,7 +378,7 @@ def _alternate(
             trial, momentum = plain, 1.0
             trial_v, trial_energy = project(trial)
         if trial_energy > energy:
-            if trial_energy > energy + ROUNDING * abs(energy) + 1e-11 * mesh.face_areas.sum():
+            if trial_energy > energy + ROUNDING * abs(energy) + AREA_ROUNDING * mesh.face_areas.sum():
                 raise FieldError(
                     f"a step of Algorithm 1 raised the energy from {energy:.6g} to {trial_energy:.6g}: the "
                     "mesh is too distorted for double precision; remesh it (--faces N)"

@@ -92,6 +92,29 @@ def field_mass(mesh: TriMesh) -> sparse.dia_array:
     return sparse.diags_array(np.repeat(mesh.face_areas, 2))
 
 
+DEFINITE = 1e-3
+"""Shift of the eigenvalues of an energy, over the area of the surface; a number."""
+
+
+def spectral_shift(areas: Scalars) -> float:
+    """Shift that makes an energy of fields positive definite, 1 / length^2.
+
+    Some surfaces have fields without energy: parallel ones on a flat surface, harmonic ones on a torus. The
+    shift is small beside the first eigenvalue that is not zero, which is of the order of 1 / area.
+
+    Parameters
+    ----------
+    areas : (F,) areas of the faces
+
+    Examples
+    --------
+    >>> from geoweave.fields import spectral_shift
+    >>> spectral_shift(np.array([0.5, 0.5]))
+    0.001
+    """
+    return float(DEFINITE / areas.sum())
+
+
 def dual_weights(mesh: TriMesh) -> Scalars:
     """Weight ``|e| / |e*| = 1.5 |e|^2 / (A_i + A_j)`` of each interior edge, (E_int,), always positive.
 

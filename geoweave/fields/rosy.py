@@ -17,13 +17,16 @@ from scipy import sparse
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
 from geoweave.fields.face_field import FaceField, edge_curl, random_field, unit
-from geoweave.fields.operators import connection_laplacian
+from geoweave.fields.operators import connection_laplacian, spectral_shift
 from geoweave.fields.singularities import windings
 from geoweave.sparse import factorized, nested_dissection, one_blas_thread, smallest_eigenpair
 from geoweave.surface import TriMesh
 
 Phase: TypeAlias = Literal["least-curl", "seeded"]
 """How the common rotation is chosen that the Dirichlet energy leaves free: see `smoothest_field`."""
+
+UNIT_TOLERANCE = 1e-6
+"""How far the modulus of an N-RoSy's number may be from 1, a number."""
 
 
 @one_blas_thread()
@@ -54,8 +57,8 @@ def smoothest_eigenfield(
     energies = []
     for faces, block in _component_blocks(mesh, laplacian):
         areas = mesh.face_areas[faces]
-        # A flat surface has mu = 0: the shift, small against 1 / area, keeps the matrix definite.
-        shift = 1e-3 / areas.sum()
+        # A flat surface has mu = 0.
+        shift = spectral_shift(areas)
         factors = factorized(block + sparse.diags_array(shift * areas), nested_dissection(block))
         mu, values[faces] = smallest_eigenpair(factors, areas, start[faces])
         energies.append(mu - shift)
@@ -182,7 +185,7 @@ class RoSyField:
             raise FieldError(
                 f"an N-RoSy needs one number per face, ({self.mesh.n_faces},), not {values.shape}"
             )
-        off = ~(np.abs(np.abs(values) - 1.0) < 1e-6)
+        off = ~(np.abs(np.abs(values) - 1.0) < UNIT_TOLERANCE)
         if off.any():
             bad = int(np.flatnonzero(off)[0])
             raise FieldError(

@@ -14,7 +14,6 @@ from geoweave.fields import FaceField, vertex_indices
 from geoweave.foliation.circle_function import CircleFunction
 from geoweave.foliation.integrability import (
     Method,
-    component_means,
     integrating_factor,
     vertices_and_faces,
 )
@@ -186,7 +185,7 @@ def foliate(
     ordering = ordering or vertices_and_faces(w.mesh)
     first = _first_factor(w, part, rescaling, ordering)
     s = scale * global_scale(w, first, quantile) * first
-    unit = s if weighting == "relative" else component_means(w.mesh, s)[w.mesh.face_components]
+    unit = s if weighting == "relative" else w.mesh.component_means(s)[w.mesh.face_components]
     with one_blas_thread():
         problem = Alternation(w, s, unit, smoothness * field.mesh.bounding_radius**2, ordering)
         z, theta = problem.eigenvector(problem.start(seed), None, s)

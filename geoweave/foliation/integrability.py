@@ -47,7 +47,16 @@ POWER_STEPS = 10
 """Steps of Algorithm 2 from s = 1; more of them drift into modes that change sign."""
 
 NEWTON_STEPS = 12
+"""Most Gauss-Newton steps of the logarithm."""
+
+SETTLED = 1e-4
+"""A Gauss-Newton step that lowers the energy by less than this share of it is the last."""
+
+SHORTEST = 1e-3
+"""A Gauss-Newton step is halved until it lowers the energy, but not below this share of its length."""
+
 GAUGE = 1e-6
+"""Weight of a step in sigma beside 1: it decides the direction in which v and s grow together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -215,13 +224,13 @@ def _logarithm(
         )
         step = factorized(matrix, analysis).solve(downhill)
         dv, ds, length = as_complex(closed.basis @ step[:split]), step[split:], 1.0
-        while (new := energy(v + length * dv, sigma + length * ds)) > energies[-1] and length > 1e-3:
+        while (new := energy(v + length * dv, sigma + length * ds)) > energies[-1] and length > SHORTEST:
             length *= 0.5
         if new >= energies[-1]:
             break
         v, sigma = v + length * dv, sigma + length * ds
         energies.append(new)
-        if energies[-2] - new < 1e-4 * new:
+        if energies[-2] - new < SETTLED * new:
             break
     return _normalised(field, np.exp(sigma - sigma.mean()), v * np.exp(-sigma.mean()), energies)
 
@@ -245,12 +254,5 @@ def _nearest_integrable(closed: ClosedFields, target: Complexes, s: Scalars, ord
 
 def _normalised(field: FaceField, s: Scalars, v: Complexes, energies: list[float]) -> IntegratingFactor:
     """Give s the area mean 1 on each component (Appendix C: components do not know each other's scale)."""
-    mean = component_means(field.mesh, np.abs(s))[field.mesh.face_components]
+    mean = field.mesh.component_means(np.abs(s))[field.mesh.face_components]
     return IntegratingFactor(field, frozen(s / mean), frozen(v / mean), tuple(energies))
-
-
-def component_means(mesh: TriMesh, values: Scalars) -> Scalars:
-    """Area mean of face values on each component."""
-    part = mesh.face_components
-    total = np.bincount(part, mesh.face_areas * values)
-    return np.asarray(total / np.bincount(part, mesh.face_areas))

@@ -208,6 +208,11 @@ class TriMesh(Connectivity):
         )
         return frozen(np.where(self.boundary_vertices, np.pi, 2.0 * np.pi) - around)
 
+    def component_means(self, values: Scalars) -> Scalars:
+        """(components,) area mean of (F,) face values on each connected component."""
+        total = np.bincount(self.face_components, self.face_areas * values)
+        return np.asarray(total / np.bincount(self.face_components, self.face_areas))
+
     # -- tangent vectors --------------------------------------------------------------------------------
 
     def ambient(self, planar: Complexes) -> Vectors:

@@ -7,8 +7,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from geoweave.comparisons.field_baselines import anti_holomorphic_field, fitted_curl, pottmann_field
+from geoweave.comparisons.anti_holomorphic_fields import anti_holomorphic_field
 from geoweave.comparisons.great_circles import meridian_angle, meridian_axis
+from geoweave.comparisons.pottmann_fields import fitted_curl, pottmann_field
 from geoweave.comparisons.singular_curves import singular_lines
 from geoweave.curves.curve_crossings import crossings
 from geoweave.curves.curves import Curves, bending

@@ -11,7 +11,7 @@ from geoweave.comparisons.paper_systems import algorithm_2_step, constrained_pow
 from geoweave.errors import FieldError
 from geoweave.fields.face_field import FaceField, edge_curl
 from geoweave.foliation.foliation import punctured
-from geoweave.foliation.integrability import Method, component_means, integrating_factor, perpendicular
+from geoweave.foliation.integrability import Method, integrating_factor, perpendicular
 from geoweave.models import shapes
 from geoweave.surface.mesh import TriMesh
 from geoweave.surface.submesh import part_of
@@ -80,7 +80,7 @@ def test_what_comes_out_is_integrable_normalised_and_lower(name: str, method: Me
     found = integrating_factor(field, method=method)
     closed = FaceField(part.mesh, found.integrable)
     assert np.abs(edge_curl(closed)).max() < 1e-9 * np.abs(found.integrable).max()
-    np.testing.assert_allclose(component_means(part.mesh, np.abs(found.s)), 1.0)
+    np.testing.assert_allclose(part.mesh.component_means(np.abs(found.s)), 1.0)
     assert found.energies[-1] <= found.energies[0]
     assert (np.diff(found.energies) <= 1e-12).all()
     if method == "logarithm":
