@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks import rods, scans
+from benchmarks import imports, rods, scans
 
 SMALLEST = 5
 
@@ -122,6 +122,7 @@ def main() -> None:
     largest = parser.parse_args().largest
     results = {"growth": growth(largest), "kkt": against_kkt(), "foliations": foliations()}
     results["covers"] = covers()
+    results["imports"] = imports.table()
     print()
     results["rods"] = rods.table([])
     path = Path("build/bench/results.json")
