@@ -7,6 +7,7 @@ from .departure import (
 from .elastic_energies import energy_density as energy_density
 from .equilibrium import Equilibrium as Equilibrium, Step as Step
 from .from_ribbons import (
+    FINENESS as FINENESS,
     file_of_rods as file_of_rods,
     rods_of_file as rods_of_file,
     rods_of_ribbons as rods_of_ribbons,

@@ -73,7 +73,6 @@ def contact_position(rods: Rods, stiffness: float, apart: float | None = None) -
     def gap(rods: Rods) -> Vectors:
         """(C, 3) ``c_a - c_b``, by differences from the nearest vertices."""
         start = rods.layout.ends[pair, 0]
-        assert rods.edges is not None
         along = places[..., None] * rods.edges[pair]
         return (rods.points[start[:, 0]] - rods.points[start[:, 1]]) + (along[:, 0] - along[:, 1])
 

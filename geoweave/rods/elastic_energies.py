@@ -219,7 +219,6 @@ def twisting(layout: Layout, unknowns: Indices | None = None) -> Term:
         return np.sqrt(rods.material.twisting(rods.joint_widths) / rods.spans)
 
     def residual(rods: Rods) -> Table:
-        assert rods.twists is not None
         return (weight(rods) * rods.twists)[:, None]
 
     def derivative(rods: Rods) -> Table:

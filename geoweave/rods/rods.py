@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,11 @@ from numpy.typing import NDArray
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, cross, frozen, parallel_transport
 from geoweave.errors import RodError
 
-__all__ = ["Contacts", "Layout", "Material", "Rods"]
+__all__ = ["DERIVED", "Contacts", "Layout", "Material", "Rods"]
+
+
+DERIVED: Any = None
+"""Stands for a field that is not given: it is derived from the others as the value is made."""
 
 
 @dataclass(frozen=True)
@@ -170,13 +175,13 @@ class Contacts:
     segments: Indices
     places: NDArray[np.float64]
     over: Indices
-    group: Indices | None = None
+    group: Indices = DERIVED
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "segments", frozen(np.array(self.segments, dtype=np.int64).reshape(-1, 2)))
         object.__setattr__(self, "places", frozen(np.array(self.places, dtype=np.float64).reshape(-1, 2)))
         object.__setattr__(self, "over", frozen(np.array(self.over, dtype=np.int64).ravel()))
-        group = np.arange(len(self)) if self.group is None else np.array(self.group, dtype=np.int64)
+        group = np.arange(len(self)) if self.group is DERIVED else np.array(self.group, dtype=np.int64)
         object.__setattr__(self, "group", frozen(group))
 
     def __len__(self) -> int:
@@ -217,12 +222,12 @@ class Rods:
     rest: Scalars
     contacts: Contacts
     material: Material
-    edges: Vectors | None = None
-    twists: Scalars | None = None
+    edges: Vectors = DERIVED
+    twists: Scalars = DERIVED
 
     def __post_init__(self) -> None:
         layout = self.layout
-        if self.edges is None:
+        if self.edges is DERIVED:
             start, end = layout.ends.T
             object.__setattr__(self, "edges", self.points[end] - self.points[start])
         for name, shape in (
@@ -239,10 +244,10 @@ class Rods:
                 raise RodError(f"the {name} of the rods hold a number that is not finite")
             frozen(array)
         self._check()
-        if self.twists is None:
+        if self.twists is DERIVED:
             wrapped = _wrapped_twists(self)
             object.__setattr__(self, "twists", wrapped - np.pi * np.round(wrapped / np.pi))
-        frozen(self._twists)
+        frozen(self.twists)
 
     def _check(self) -> None:
         rod = self.layout.rod_of_segment
@@ -264,16 +269,6 @@ class Rods:
         if where.size and not 0 <= where.min() <= where.max() < self.layout.segments:
             raise RodError("a contact names a segment that is not there")
 
-    @property
-    def _edges(self) -> Vectors:
-        assert self.edges is not None
-        return self.edges
-
-    @property
-    def _twists(self) -> Scalars:
-        assert self.twists is not None
-        return self.twists
-
     def __len__(self) -> int:
         return len(self.layout)
 
@@ -287,12 +282,12 @@ class Rods:
     @cached_property
     def lengths(self) -> Scalars:
         """(S,) length of each segment."""
-        return frozen(np.sqrt((self._edges**2).sum(axis=1)))
+        return frozen(np.sqrt((self.edges**2).sum(axis=1)))
 
     @cached_property
     def tangents(self) -> Vectors:
         """(S, 3) unit tangent t of each segment."""
-        return frozen(self._edges / self.lengths[:, None])
+        return frozen(self.edges / self.lengths[:, None])
 
     @cached_property
     def across(self) -> Vectors:
@@ -340,7 +335,7 @@ class Rods:
         """
         moved = step[: 3 * self.layout.vertices].reshape(-1, 3)
         start, end = self.layout.ends.T
-        edges = self._edges + (moved[end] - moved[start])
+        edges = self.edges + (moved[end] - moved[start])
         length = np.sqrt((edges**2).sum(axis=1))
         if not (np.isfinite(step).all() and (length > 0).all()):
             raise RodError("a step makes a segment of the rods vanish, or is not finite")
@@ -353,9 +348,9 @@ class Rods:
         turned = directors - (directors * tangents).sum(axis=1)[:, None] * tangents
         turned = np.cos(angles)[:, None] * turned + np.sin(angles)[:, None] * cross(tangents, turned)
         turned /= np.linalg.norm(turned, axis=1)[:, None]
-        new = replace(self, points=points, edges=edges, directors=turned, twists=self._twists)
+        new = replace(self, points=points, edges=edges, directors=turned, twists=self.twists)
         wrapped = _wrapped_twists(new)
-        twists = wrapped - np.pi * np.round((wrapped - self._twists) / np.pi)
+        twists = wrapped - np.pi * np.round((wrapped - self.twists) / np.pi)
         object.__setattr__(new, "twists", frozen(twists))
         return new
 

@@ -15,7 +15,7 @@ from geoweave.rods import hessian
 from geoweave.rods.contact_energies import ORIENTATION, contact_orientation, contact_position
 from geoweave.rods.elastic_energies import Term, elastic_terms, sliding
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping, minimized
-from geoweave.rods.rods import Contacts, Rods
+from geoweave.rods.rods import DERIVED, Contacts, Rods
 from geoweave.surface import BoxTree, TriMesh, closest_points, smooth_normals, triangle_tree
 
 __all__ = ["ROUNDS", "Springs", "relax_rods", "relaxing_terms", "slide_rods"]
@@ -154,7 +154,7 @@ def _laid(rods: Rods, surface: TriMesh, tree: BoxTree) -> Rods:
     size = np.linalg.norm(aside, axis=1)[:, None]
     # a segment that stands on the surface keeps its direction
     directors = np.where(size > 0.1, aside / np.maximum(size, 0.1), rods.directors)
-    return replace(rods, directors=directors, twists=None)
+    return replace(rods, directors=directors, twists=DERIVED)
 
 
 def _at_ends(rods: Rods) -> Contacts:

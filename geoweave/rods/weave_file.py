@@ -124,7 +124,6 @@ def at_rest(
     unit : the document's unit of length over that of the rods
     """
     layout, contacts = rods.layout, rods.contacts
-    assert contacts.group is not None
     before = np.cumsum(rods.rest) - rods.rest
     along: Scalars = before - before[layout.segment_offsets[:-1]][layout.rod_of_segment]
     ribbons = []

@@ -20,6 +20,7 @@ from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
 from geoweave.fabrication import Pattern
 from geoweave.rods import (
+    FINENESS,
     Distances,
     Equilibrium,
     Rods,
@@ -37,6 +38,7 @@ from geoweave.twin.contradictions import Contradiction, contradiction_sentence, 
 from geoweave.twin.laid_strips import LaidStrips, laid
 from geoweave.twin.pattern_surface import PatternSurface, surface_of
 from geoweave.twin.placement import has_outside, net_of, outward, placed
+from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION
 
 __all__ = ["COMES_BACK", "STEPPING", "Likeness", "Twin", "assembled"]
 
@@ -230,8 +232,8 @@ class Twin:
         rotation, shift = (np.eye(3), np.zeros(3)) if on is None else (on.rotation, on.shift)
         families = max(strip.family for strip in pattern.strips) + 1
         blank = {
-            "format": "geoweave-weave",
-            "version": 1,
+            "format": WEAVE_FORMAT,
+            "version": WEAVE_VERSION,
             "units": "mm",
             "symmetry": 2 * families,
             "width": pattern.width,
@@ -250,8 +252,8 @@ class Twin:
                 "ribbons": len(pattern.strips),
                 "crossings": len(pattern.ribbons),
                 "total_length": sum(strip.length for strip in pattern.strips),
-                # a fifth of it is the length of the twin's segments, as of the rods of a weave
-                "spacing": 5.0 * float(self.rods.rest.mean() * self.start.unit),
+                # so that rods made of this file have segments as long as the twin's
+                "spacing": float(self.rods.rest.mean() * self.start.unit) / FINENESS,
                 "twin": self.metrics(),
             },
         }
@@ -331,9 +333,9 @@ def assembled(
     if not anyway and plain:
         more = f", and {len(plain) - 1} more such places" if len(plain) > 1 else ""
         raise FieldError(
-            f"the pattern contradicts itself: {contradiction_sentence(pattern, plain[0])}{more}; correct the place, or export "
-            "the weave as it was designed (--no-relax), before its ribbons slid past each other; --anyway "
-            "puts it together all the same"
+            f"the pattern contradicts itself: {contradiction_sentence(pattern, plain[0])}{more}; "
+            "correct the place, or export the weave as it was designed (--no-relax), before its ribbons slid "
+            "past each other; --anyway puts it together all the same"
         )
     points = placed(surface, net_of(surface), mirrored=mirrored)
     # Energies of different starts compare at one unit.

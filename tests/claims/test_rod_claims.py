@@ -11,7 +11,7 @@ import pytest
 from geoweave.arrays import Flags
 from geoweave.models import shapes
 from geoweave.rods.elastic_energies import elastic_terms, energy_density
-from geoweave.rods.rods import Contacts, Rods
+from geoweave.rods.rods import DERIVED, Contacts, Rods
 from geoweave.rods.slide_and_relax import relax_rods, relaxing_terms
 from geoweave.rods.steps import Problem
 from geoweave.rods.weave_at_rest import Relaxed, elastic_rods, relaxed_weave
@@ -115,7 +115,7 @@ def test_a_line_search_must_carry_directors(name: str) -> None:
         points=rods.points + moved,
         edges=rods.edges + moved[end] - moved[start],
         directors=np.cos(angles) * rods.directors + np.sin(angles) * rods.across,
-        twists=None,
+        twists=DERIVED,
     )
     behind = problem.tried(left).energy - now.energy
     assert carried == pytest.approx(slope, rel=0.01)

@@ -12,7 +12,7 @@ from geoweave.rods.elastic_energies import edgewise_bending
 from geoweave.rods.equilibrium import Stepping, minimized
 from geoweave.rods.from_ribbons import rods_of_file
 from geoweave.rods.rod_file import read_rods
-from geoweave.rods.rods import Contacts, Material
+from geoweave.rods.rods import DERIVED, Contacts, Material
 from geoweave.rods.slide_and_relax import (
     Springs,
     relax_rods,
@@ -170,7 +170,7 @@ def test_contacts_follow_ribbons_that_slide():
     rods = rods_of([one, two], np.array([0, 0, 1.0]), contacts=Contacts([[10, 30]], [[0.0, 0.0]], [1]))
     points = rods.points.copy()
     points[21:] += [0.13, 0.04, 0.0]
-    moved = replace(rods, points=points, edges=None)
+    moved = replace(rods, points=points, edges=DERIVED)
     found = replaced_contacts(moved)
     assert found.segments.tolist() == [[11, 29]]
     np.testing.assert_allclose(found.places, [[0.3, 0.6]], atol=1e-9)
@@ -206,7 +206,7 @@ def test_relaxing_commutes_with_rigid_motion():
     rods = three_great_circles(24, tilt=0.01)
     rotation, shift = any_rotation(), np.array([2.0, -1, 3])
     moved = replace(
-        rods, points=rods.points @ rotation.T + shift, directors=rods.directors @ rotation.T, edges=None
+        rods, points=rods.points @ rotation.T + shift, directors=rods.directors @ rotation.T, edges=DERIVED
     )
     one, two = relax_rods(rods), relax_rods(moved)
     np.testing.assert_allclose(two.rods.points, one.rods.points @ rotation.T + shift, atol=1e-4)
