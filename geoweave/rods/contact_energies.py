@@ -66,12 +66,12 @@ def contact_position(rods: Rods, stiffness: float, apart: float | None = None) -
     side = np.where(rods.contacts.over == 1, 1.0, -1.0) * (
         rods.material.thickness if apart is None else apart
     )
-    # tau_b may point the other way than tau_a, on rods whose sides cannot agree
+    # On a one-sided weave some contacts have tau_b opposite to tau_a.
     side = np.stack([side, side * _agreement(rods)], axis=1)
     weight = np.sqrt(2.0 * stiffness)
 
     def gap(rods: Rods) -> Vectors:
-        """(C, 3) ``c_a - c_b``, by differences from the nearest vertices."""
+        """(C, 3) ``c_a - c_b``; differences of edges keep digits that differences of points lose."""
         start = rods.layout.ends[pair, 0]
         along = places[..., None] * rods.edges[pair]
         return (rods.points[start[:, 0]] - rods.points[start[:, 1]]) + (along[:, 0] - along[:, 1])
@@ -106,9 +106,9 @@ def contact_position(rods: Rods, stiffness: float, apart: float | None = None) -
 def contact_orientation(rods: Rods, stiffness: float) -> Term:
     """Return the energy that makes crossing ribbons lie flush (E.2), ``g angle(tau_a, tau_b)^2``.
 
-    The residual is the rotation that takes one direction to the other, a vector, so that it is smooth where
-    the angle is zero. A strip has no upper side: the angle is between tau_a and tau_b or its opposite,
-    whichever is less when the term is made. The stiffness g is a force x length per radian squared.
+    The residual is the rotation vector that takes one direction to the other. Unlike the angle it is smooth
+    where the angle is zero. A strip has no upper side: the angle is measured to tau_b or to -tau_b, whichever
+    is nearer when the term is made. The stiffness g is force x length per radian squared.
     """
     pair = rods.contacts.segments
     sign = _agreement(rods)[:, None]
@@ -139,7 +139,7 @@ def contact_orientation(rods: Rods, stiffness: float) -> Term:
         return weight * out
 
     def curvature(rods: Rods, weights: Table) -> Table:
-        """As if angle and sine were one: exact where ribbons lie flush."""
+        """Second derivative with the angle taken for its sine; exact where ribbons lie flush."""
         one, two = rods.directors[pair[:, 0]], sign * rods.directors[pair[:, 1]]
         pull = weight * weights
         turn = [_director_derivative(rods, pair[:, k]) for k in (0, 1)]
@@ -162,11 +162,11 @@ def _agreement(rods: Rods) -> Scalars:
 
 
 def _arc(cosine: Scalars, sine: Scalars) -> tuple[Scalars, Scalars]:
-    """Angle over its sine, and the derivative of that by the cosine; smooth where the angle is zero."""
+    """Angle over its sine, and the derivative of this ratio by the cosine; a series near angle zero."""
     small = (sine < 1e-2) & (cosine > 0)
     sine = np.where(small, 1.0, np.maximum(sine, 1e-12))
     factor = np.arctan2(sine, cosine) / sine
     slope = (cosine * factor - 1.0) / sine**2
-    x = 1.0 - cosine  # angle^2 / 2 and more; the next term of each series is below 1e-12
+    x = 1.0 - cosine  # series in x, about angle^2 / 2; the first term left out is below 1e-12
     near = 1.0 + x * (1 / 3 + x * (2 / 15 + x * 2 / 35))
     return np.where(small, near, factor), np.where(small, -(1 / 3 + x * (4 / 15 + x * 6 / 35)), slope)

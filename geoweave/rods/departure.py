@@ -1,10 +1,10 @@
 """How far a weave has gone from its design and from its target surface (Figs. 19 and 22).
 
-Distances are shares of the diagonal of the target's bounding box. Rods have no place of their own in space,
-so they are first put back on the design by the rigid motion that best takes each place of a ribbon to where
-it was designed to be (Kabsch), unless a boundary holds them where they are. That fit has one answer. A fit to
-the surface (ICP) would slide along a torus and turn on a sphere, and would come out smaller than what a maker
-sees.
+Distances are shares of the diagonal of the target's bounding box. Relaxed rods may lie anywhere in space. So
+they are first moved rigidly, such that each place of a ribbon comes as near as possible to where it was
+designed to be (Kabsch 1976); a boundary that holds them makes this needless. This fit has one answer. A fit
+to the surface (ICP) would slide along a torus and turn on a sphere, and would give smaller distances than a
+maker sees.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ class Departure:
 
     Attributes
     ----------
-    to_surface : from the rods to the surface, one side of the Hausdorff distance: does the weave stay there
-    from_surface : from the vertices of the surface to the rods, the other side: is every part of the surface
-        still near a ribbon. A weave has holes, so this is not zero for the design either; compare the two
+    to_surface : from the rods to the surface, one side of the Hausdorff distance
+    from_surface : from the vertices of the surface to the rods, the other side. A weave has holes, so this is
+        not zero for the design either; compare the two
     from_design : from each place of a ribbon to where that place was designed to be
     points : (V, 3) vertices of the rods after the fit
     distance : (V,) from each of these to the surface, in the unit of the model
@@ -64,7 +64,7 @@ def vertex_weights(rods: Rods) -> Scalars:
 
 
 def held(rods: Rods) -> Flags:
-    """(V,) whether a vertex lies between two contacts of its rod; what is not is a free tail."""
+    """(V,) whether a vertex lies between two contacts of its rod; the others belong to free ends."""
     layout, pair = rods.layout, rods.contacts.segments.ravel()
     rod = layout.rod_of_segment[pair]
     first = layout.offsets[1:].copy()
@@ -89,6 +89,11 @@ def rigid_fit(points: Vectors, targets: Vectors, weights: Scalars) -> tuple[Vect
     Returns
     -------
     (3, 3) rotation, never a reflection, and (3,) shift; apply as ``points @ R.T + t``.
+
+    >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    >>> rotation, shift = gw.rods.rigid_fit(square, square + 2.0, np.ones(4))
+    >>> np.round(shift, 9).tolist()
+    [2.0, 2.0, 2.0]
     """
     share = weights / weights.sum()
     middle, goal = share @ points, share @ targets

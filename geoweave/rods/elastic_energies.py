@@ -1,8 +1,8 @@
 """The energies of elastic rods, as sums of squares (Appendix E); those of contacts are in `contact_energies`.
 
-Each term is ``1/2 sum r^2`` of residuals r that belong to small stencils: a segment, a joint, a contact. A
-stencil's Jacobian is taken at the rods as they are, where a change of a vertex parallel-transports the
-directors and a change of an angle turns one of them, so that it is exact however far they have moved.
+Each term is ``1/2 sum r^2`` of residuals r that belong to small stencils: a segment, a joint, a contact.
+Jacobians are those of the current rods. A change of a vertex parallel-transports the directors, and a change
+of an angle turns one of them. So Jacobians are exact however far the rods have moved.
 Unknown 3 v + x is coordinate x of vertex v, unknown 3 V + s the angle of segment s.
 """
 
@@ -168,7 +168,7 @@ def _bending(name: str, layout: Layout, unknowns: Indices | None, *, flatwise: b
         middle, kb, chi = axis(rods), rods.binormals, rods.openness[:, None]
         ta, tb = rods.tangents[a], rods.tangents[b]
         curvature = (kb * middle).sum(axis=1, keepdims=True)
-        # Transport moves a section's directions along its segment only, and kb is square to that.
+        # Transport changes a section's directions only along its segment, and kb is square to that.
         by_a = (2.0 * cross(tb, middle) - curvature * tb) / chi
         by_b = (2.0 * cross(middle, ta) - curvature * ta) / chi
         by_a = _square_part(by_a, ta) / rods.lengths[a][:, None]
@@ -309,6 +309,11 @@ def energy_density(rods: Rods) -> dict[str, Scalars]:
     Returns
     -------
     For "stretching", "normal curvature", "geodesic curvature" and "twist", (S,) force.
+
+    >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
+    >>> density = gw.rods.energy_density(rods)
+    >>> bool(density["geodesic curvature"].mean() > density["normal curvature"].mean())
+    True
     """
     a, b = rods.layout.joints.T
     found = {}

@@ -1,9 +1,8 @@
 """Equilibria of elastic rods: ribbons that slide on a surface, and weaves left to themselves (Appendix E).
 
-Both are found by Gauss-Newton steps with a line search, and by Newton steps once the second derivative is
-positive definite. A step moves vertices and turns sections; the line search evaluates it on rods whose
-directors have been parallel-transported onto the new segments, as the paper asks, because the energies of
-`geoweave.rods.elastic_energies` are only ever taken on such rods.
+Gauss-Newton steps with a line search lead near the equilibrium. Newton steps take over where the second
+derivative is positive definite. A step moves vertices and turns sections. Before energies are evaluated,
+directors are parallel-transported onto the moved segments, as the paper asks.
 """
 
 from __future__ import annotations
@@ -17,10 +16,14 @@ from geoweave.arrays import Flags, Vectors
 from geoweave.rods.elastic_energies import Term
 from geoweave.rods.hessian import Pattern
 from geoweave.rods.rods import Rods
-from geoweave.rods.steps import DAMPING, NEAR, NEWTON, Problem, Stepping
+from geoweave.rods.steps import DAMPING, LONG_STEP, NEAR, NEWTON, SHORT_STEP, Problem, Stepping
 from geoweave.sparse import one_blas_thread
 
 __all__ = ["Equilibrium", "Step", "Stepping", "minimized"]
+
+
+STIFFER, LESS_SHORT, MORE_SHORT = 30.0, 0.1, 10.0
+"""Factors on the damping: after no step worked, after a long step, after a short one (`SHORT_STEP`)."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """Rods at rest, or as near to it as the iteration came.
+    """Rods at rest, or the last state of an iteration that did not converge.
 
     Attributes
     ----------
@@ -58,6 +61,11 @@ class Equilibrium:
     converged : whether the forces balance to the tolerance
     steps : every state from the start to the end
     ending : why the iteration ended, in words
+
+    >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
+    >>> found = gw.rods.relax_rods(rods)
+    >>> found.converged, found.ending
+    (True, 'the forces balance')
     """
 
     rods: Rods
@@ -89,9 +97,9 @@ def minimized(
 ) -> Equilibrium:
     """Minimise a sum of energies over vertices and angles by damped (Gauss-)Newton steps with a line search.
 
-    Every step lowers the energy, so the iteration ends; it cannot accept a number that is not finite. Rigid
-    motions are taken out of every step: the centre of mass of each connected part and, to first order, its
-    orientation stay (E.2). Parts that are held anywhere keep theirs by that.
+    Every step lowers the energy, so the iteration ends. A step to a number that is not finite is never taken.
+    Rigid motions are removed from every step: the centre of mass of each connected part stays and, to first
+    order, its orientation (E.2). Parts that are held at a vertex need no such rule.
 
     Parameters
     ----------
@@ -102,7 +110,7 @@ def minimized(
     load : (V, 3) constant force on each vertex; its potential is ``-load . p``
     anchored : whether the energies themselves hold the rods in space, so that no motion is rigid
     callback : called with every `Step`
-    pattern : of the matrix of terms on the same unknowns, if it has been analysed before
+    pattern : of the matrix, if one for the same unknowns has been analysed before
     """
     numbers = stepping or Stepping()
     held = np.zeros(rods.size, dtype=bool) if fixed is None else np.asarray(fixed, dtype=bool)
@@ -129,9 +137,13 @@ def minimized(
             while matrix is not None and taken is None and damping <= DAMPING[2]:
                 taken = problem.advanced(now, problem.factored(matrix, damping), numbers)
                 if taken is None:
-                    damping *= 30.0
+                    damping *= STIFFER
                 else:
-                    change = 0.1 if taken.share > 0.5 else 10.0 if taken.share < 0.25 else 1.0
+                    change = 1.0
+                    if taken.share > LONG_STEP:
+                        change = LESS_SHORT
+                    elif taken.share < SHORT_STEP:
+                        change = MORE_SHORT
                     damping = min(max(change * damping, DAMPING[0]), DAMPING[2])
             if taken is None:
                 ending = "no step lowers the energy any further"

@@ -1,9 +1,8 @@
 """From ribbons and .rod files to elastic rods and back (Appendix E).
 
-Ribbons are resampled to equal segments (Section 5.2), their directors are the surface's normals and their
-rest lengths the lengths they have at the start. What no rod can be is put right here, where the ribbon still
-has a name: vertices that coincide or fold back are merged, and crossings of two ribbons at one place become
-one.
+Ribbons are cut into equal segments (Section 5.2). Their directors are the normals of the surface, and their
+rest lengths are the lengths they have at the start. Ribbons that could not be rods are put right here:
+vertices that coincide or fold back are merged, and several crossings of two ribbons at one place become one.
 """
 
 from __future__ import annotations
@@ -15,7 +14,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
-from scipy.spatial import KDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, frozen, parallel_transport
 from geoweave.errors import RodError
@@ -43,7 +41,7 @@ class _Chain(NamedTuple):
     widths: Scalars
     closed: bool
     knots: Scalars
-    """(m + 1,) place of the ends of the segments on the ribbon that it was made of, a length along it."""
+    """(m + 1,) arclength of the ends of the segments, along the ribbon that the rod was made of."""
 
 
 def rods_of_ribbons(
@@ -71,6 +69,11 @@ def rods_of_ribbons(
     ------
     RodError
         If a number is out of range, or a ribbon is too short for a segment.
+
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
+    >>> rods = gw.rods.rods_of_ribbons(weave.ribbons, weave.interlacing.over, 0.05, 0.002)
+    >>> bool(abs(rods.lengths - rods.rest).max() < 1e-12)
+    True
     """
     size = FINENESS * ribbons.spacing if segment is None else float(segment)
     for name, value in (("width", width), ("length of a segment", size)):
@@ -146,9 +149,9 @@ def rods_of_file(
 ) -> Rods:
     """Make elastic rods of the contents of a .rod file, as they are, with the file's vertices and lengths.
 
-    A file's directors are lines: their signs may change from segment to segment. They are turned to agree
-    along each rod, then across contacts from rod to rod. The stiffness of each crossing in the file is that
-    of RibbonSim's contacts, not of the paper's; it is not used.
+    A file's directors may change their sign from segment to segment. They are turned to agree along each rod,
+    then across contacts from rod to rod. The stiffness of a crossing in the file belongs to RibbonSim's
+    contacts, which are not those of the paper; it is not used.
 
     Parameters
     ----------
@@ -162,6 +165,10 @@ def rods_of_file(
     ------
     RodError
         If there is no rod, a rod is nothing but coinciding vertices, or the sides are not zeros and ones.
+
+    >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
+    >>> len(gw.rods.rods_of_file(gw.rods.file_of_rods(rods))) == len(rods)
+    True
     """
     if not file.rods:
         raise RodError("there is no rod in the file; export it again")
@@ -266,7 +273,7 @@ def _joined(
     *,
     agree: bool = False,
 ) -> Rods:
-    """Put rods one after the other, and make one contact of all crossings at a place."""
+    """Join chains into one set of rods; several crossings of two ribbons at one place become one contact."""
     if over.shape != (len(crossings),) or not np.isin(over, (0, 1)).all():
         raise RodError(f"the sides of {len(crossings)} crossings are that many zeros and ones")
     offsets = np.concatenate([[0], np.cumsum([len(chain.points) for chain in chains])])
@@ -310,10 +317,9 @@ def _located(
 
 
 def _agreeing(layout: Layout, tangents: Vectors, directors: Vectors, contacts: Contacts) -> Vectors:
-    """Turn directors, which are lines in a file, to the same side along rods and across contacts.
+    """Turn directors to the same side along each rod, then from rod to rod along a spanning tree of contacts.
 
-    Each rod first; then rods follow each other over a spanning tree of the contacts. On a one-sided weave
-    some contact must disagree, which the energies allow.
+    On a one-sided weave some contacts must disagree, which the energies allow.
     """
     a, b = layout.joints.T
     inner = b > a
@@ -330,7 +336,7 @@ def _agreeing(layout: Layout, tangents: Vectors, directors: Vectors, contacts: C
     votes = sparse.coo_array((alike, (rods[:, 0], rods[:, 1])), shape=(count, count)).tocsr()
     votes = votes + votes.T
     links = abs(votes)
-    links.data = 1.0 / (1e-9 + links.data)  # the shortest tree goes by the clearest votes
+    links.data = 1.0 / (1e-9 + links.data)  # the shortest tree uses contacts whose directors are most alike
     tree = csgraph.minimum_spanning_tree(links)
     side = np.ones(count)
     seen = np.zeros(count, dtype=bool)
@@ -345,7 +351,12 @@ def _agreeing(layout: Layout, tangents: Vectors, directors: Vectors, contacts: C
 
 
 def file_of_rods(rods: Rods) -> RodFile:
-    """Return rods as the contents of a .rod file; which rod lies above is not in the format."""
+    """Return rods as the contents of a .rod file; which rod lies above is not in the format.
+
+    >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
+    >>> len(gw.rods.file_of_rods(rods).crossings) == len(rods.contacts)
+    True
+    """
     layout, parts = rods.layout, []
     for r in range(len(rods)):
         vertices = slice(layout.offsets[r], layout.offsets[r + 1])
@@ -368,6 +379,8 @@ def file_of_rods(rods: Rods) -> RodFile:
 
 def ends_on(rods: Rods, near: Vectors, within: float) -> Flags:
     """(V,) first and last vertices of open rods that lie within a distance of points (N, 3)."""
+    from scipy.spatial import KDTree
+
     flags = np.zeros(rods.layout.vertices, dtype=bool)
     open_rods = ~rods.layout.closed
     ends = np.concatenate([rods.layout.offsets[:-1][open_rods], rods.layout.offsets[1:][open_rods] - 1])

@@ -1,4 +1,4 @@
-"""The Gauss-Newton matrix of rods: its pattern is analysed once, its entries are summed at every step."""
+"""The second derivative of the energy: its pattern is analysed once, its entries are summed at every step."""
 
 from __future__ import annotations
 
@@ -18,7 +18,18 @@ __all__ = ["Pattern", "analysed"]
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """Where the entries of the Gauss-Newton matrix go; the same for all steps."""
+    """Where the entries of the matrix go; the same for all steps.
+
+    Attributes
+    ----------
+    size : number of unknowns
+    free : (n,) unknowns that may change, in elimination order
+    symbolic : analysis of the Cholesky factor
+    groups : unknowns of stencils, and the terms that share them
+    slots : place in the matrix of each local entry that is kept
+    kept : flags of local entries between free unknowns
+    indices, starts : columns and row starts of the matrix (CSR)
+    """
 
     size: int
     free: Indices
@@ -40,7 +51,7 @@ class Pattern:
                 if extra is not None:
                     block += extra
             blocks.append(block.ravel())
-        blocks.append(np.zeros(self.size))  # every diagonal entry is there, whatever the terms are
+        blocks.append(np.zeros(self.size))  # the diagonal is part of the pattern even where no term has it
         entries = np.concatenate(blocks)[self.kept]
         data = np.bincount(self.slots, weights=entries, minlength=len(self.indices))
         return sparse.csr_array((data, self.indices, self.starts), shape=(len(self.free),) * 2)

@@ -209,7 +209,7 @@ def _first(flags: ArrayLike) -> int:
 
 
 def _problem(crossing: RodCrossing, rods: tuple[Rod, ...]) -> str:
-    """Say what is wrong with a crossing, nothing if it is fine."""
+    """Say what is wrong with a crossing; an empty text if it is fine."""
     for rod, segment, place in zip(crossing.rods, crossing.segments, crossing.places, strict=True):
         if not 0 <= rod < len(rods):
             return f"names rod {rod} of {len(rods)}"
@@ -277,6 +277,11 @@ def read_rods(path: str | PathLike[str]) -> RodFile:
     RodError
         If it cannot be read or holds anything that `Rod` or `RodFile` refuses, words that are no numbers, too
         few or too many of them; the sentence names the file, the line and the remedy.
+
+    >>> gw.rods.read_rods("no such.rod")
+    Traceback (most recent call last):
+    ...
+    geoweave.errors.RodError: no such.rod: cannot be read (No such file or directory); check the name
     """
     source = Path(path)
     try:
@@ -348,7 +353,12 @@ def _parsed_rod(words: _Words, version: int, name: str) -> Rod:
 
 
 def rod_text(content: RodFile) -> str:
-    """Return the text of a .rod file of the newest version, with every digit."""
+    """Return the text of a .rod file of the newest version, with every digit.
+
+    >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
+    >>> gw.rods.rod_text(gw.rods.file_of_rods(rods)).splitlines()[:2]
+    ['-217', '2']
+    """
     lines = [str(MAGIC), str(NEWEST), str(len(content.rods)), str(len(content.crossings))]
     lines += [_joined([value]) for value in (content.thickness, content.young, content.density)]
     for rod in content.rods:

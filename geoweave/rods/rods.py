@@ -6,10 +6,10 @@ Conventions
 -----------
 Vertex ``p`` lies between segments; segment ``s`` runs from ``layout.ends[s, 0]`` to ``layout.ends[s, 1]`` and
 carries the unit tangent ``t``, the thickness direction ``tau`` square to it, and the width direction
-``t x tau``. Joint ``j`` is an inner vertex of a rod, between the segments ``layout.joints[j]``. The paper's
-reference director d and its angle theta are one thing here: tau itself is kept, and a step turns it by theta
-after parallel transport.
-A strip has no upper side: tau and -tau are the same section, so that twist is known up to half a turn.
+``t x tau``. Joint ``j`` is an inner vertex of a rod, between the segments ``layout.joints[j]``. The paper
+keeps a reference director d and an angle theta; here tau itself is kept, and a step turns it by theta after
+parallel transport. A strip has no upper side: tau and -tau are the same section, so a twist is known only up
+to half a turn.
 """
 
 from __future__ import annotations
@@ -33,19 +33,23 @@ DERIVED: Any = None
 
 @dataclass(frozen=True)
 class Material:
-    """What the ribbons are made of, and how thick they are.
+    """Thickness and moduli of the ribbons.
 
     Attributes
     ----------
     thickness : h, a length
     young : Young's modulus Y, force per area
     poisson : Poisson's ratio, between -1 and 1/2; with Y it gives the shear modulus ``Y / (2 + 2 nu)``
-    density : mass per volume, which only gravity asks for
+    density : mass per volume, used with gravity only
 
     Raises
     ------
     RodError
         If a number is out of range.
+
+    >>> card = gw.rods.Material(thickness=0.1, young=12.0)
+    >>> round(float(card.bending(2.0)), 6), round(float(card.edgewise(2.0)), 6)
+    (0.002, 0.8)
     """
 
     thickness: float
@@ -99,6 +103,10 @@ class Layout:
     ------
     RodError
         If a rod has fewer than two vertices, or three when closed.
+
+    >>> layout = gw.rods.Layout(np.array([0, 3, 6]), np.array([False, True]))
+    >>> layout.segments, layout.ends[-1].tolist()
+    (5, [5, 3])
     """
 
     offsets: Indices
@@ -170,6 +178,10 @@ class Contacts:
     over : (C,) 0 or 1, which of the two lies above, on the side its thickness direction points to
     group : (X,) contact that stands for each crossing the rods were made with, -1 for none; if not given,
         each contact stands for one
+
+    >>> met = gw.rods.Contacts(segments=[[0, 5]], places=[[0.5, 0.0]], over=[1])
+    >>> len(met), met.group.tolist()
+    (1, [0])
     """
 
     segments: Indices
@@ -213,6 +225,13 @@ class Rods:
     RodError
         If shapes do not fit, a number is not finite, a segment has no length or is folded back on the one
         before it, a ribbon is not as wide as it is thick, or a contact names a place that is not there.
+
+    >>> layout = gw.rods.Layout(np.array([0, 3]), np.array([False]))
+    >>> points, up = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0.0, 0, 1]] * 2)
+    >>> none = gw.rods.Contacts([], [], [])
+    >>> strip = gw.rods.Rods(layout, points, up, np.full(2, 0.1), np.ones(2), none, gw.rods.Material(0.01))
+    >>> strip.across[0].tolist()
+    [0.0, -1.0, 0.0]
     """
 
     layout: Layout
@@ -343,7 +362,7 @@ class Rods:
         return self.placed(self.points + moved, edges, directors, step[3 * self.layout.vertices :])
 
     def placed(self, points: Vectors, edges: Vectors, directors: Vectors, angles: Scalars) -> Rods:
-        """Take new places and directors turned by angles (S,); twists stay on the nearest branch."""
+        """Return rods at new places, with directors turned by angles (S,); twists change continuously."""
         tangents = edges / np.linalg.norm(edges, axis=1)[:, None]
         turned = directors - (directors * tangents).sum(axis=1)[:, None] * tangents
         turned = np.cos(angles)[:, None] * turned + np.sin(angles)[:, None] * cross(tangents, turned)

@@ -27,15 +27,18 @@ class Springs:
 
     Attributes
     ----------
-    normal : kappa_n of sliding, against leaving the surface, force / length
-    tangential : kappa_t of sliding, against sliding far in one round, force / length
-    position : gamma_pos of a contact, force / length
-    orientation : gamma_orient of a contact, force x length / radian^2
+    normal : kappa_n, which holds vertices on the surface while they slide, force / length
+    tangential : kappa_t, which limits how far they slide in one round, force / length
+    position : gamma_pos, which holds the two ribbons of a contact together, force / length
+    orientation : gamma_orient, which holds them flush, force x length / radian^2
 
     Raises
     ------
     RodError
         If a stiffness is not positive.
+
+    >>> gw.rods.Springs(position=1e4).tangential
+    1.0
     """
 
     normal: float = 1e3
@@ -51,22 +54,28 @@ class Springs:
 
 
 ROUNDS = 3
-"""Rounds of sliding, each of one minimisation and one projection."""
+"""Rounds of sliding. Each minimises energies once and then projects vertices onto the surface."""
 
 SLID = 1e-3
-"""Default tolerance of sliding, whose result is a start and no prediction."""
+"""Default tolerance of sliding. Its result is only where relaxing starts, so it can be rough."""
 
 ROUGHLY = 1e-2
-"""Forces balance to this share in all rounds of sliding but the last, which takes the tolerance asked for."""
+"""Tolerance of all rounds of sliding but the last."""
 
 STILL = 1e-3
-"""The next round of sliding is the last when no vertex moved by more than this share of a segment."""
+"""When no vertex moved by more than this share of a segment, one more round of sliding is the last."""
 
 SOFT = 10.0
-"""Contacts first hold sections flush with this many times the edgewise stiffness of a segment (B / l)."""
+"""The first, softer stiffness that holds sections flush, in edgewise stiffnesses of a segment (B / l)."""
 
 NEARBY = 3
-"""Segments on each side among which a contact looks for its new place after sliding."""
+"""A contact looks for its new place this many segments to each side."""
+
+STANDING = 0.1
+"""A segment stands on the surface if the normal, less its part along the segment, is shorter than this."""
+
+PARALLEL = 1e-12
+"""Two segments are parallel if the squared sine of the angle between them is below this."""
 
 
 def slide_rods(
@@ -81,15 +90,14 @@ def slide_rods(
 ) -> Equilibrium:
     """Let ribbons slide on a surface to release elastic strain (E.1).
 
-    Each round minimises the elastic energy and that of springs between vertices and anchors, then projects
-    the vertices on the surface to get new anchors. Ribbons slide over each other, and the new places of their
-    contacts are found after each round. Sliding on and on would let open ribbons drift to where the surface
-    is flat, which is why the number of rounds is a parameter.
+    Each round minimises the elastic energy and the energy of springs between vertices and their anchors on
+    the surface. Then the vertices are projected onto the surface, which gives new anchors, and contacts are
+    moved to where ribbons now cross. With many rounds open ribbons drift to where the surface is flat, so
+    the number of rounds is a parameter.
 
-    Two things the paper does not say (DEVIATIONS). The first and the last contact of an open ribbon hold, or
-    its ends would slip off the ribbons on which they end. And sections turn freely while ribbons slide, some
-    of them onto their edge; at the end they are laid flush on the surface again, so that relaxing begins
-    with every ribbon's outside out.
+    Two things are not in the paper (DEVIATIONS, sliding). The first and the last contact of an open ribbon
+    hold; otherwise its ends slip off the ribbons on which they end. Sections turn freely while ribbons slide,
+    and some turn onto their edge; at the end all are laid flush on the surface again.
 
     Parameters
     ----------
@@ -110,6 +118,11 @@ def slide_rods(
     ------
     RodError
         If a parameter is out of range.
+
+    >>> surface = gw.shapes.cone(faces=400).normalized()[0]
+    >>> rods = gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)).rods
+    >>> gw.rods.slide_rods(rods, surface).converged
+    True
     """
     if rounds < 1:
         raise RodError(f"sliding takes one round or more, not {rounds}")
@@ -152,8 +165,8 @@ def _laid(rods: Rods, surface: TriMesh, tree: BoxTree) -> Rods:
     normals = smooth_normals(surface, *closest_points(tree, middle))
     aside = normals - (normals * rods.tangents).sum(axis=1)[:, None] * rods.tangents
     size = np.linalg.norm(aside, axis=1)[:, None]
-    # a segment that stands on the surface keeps its direction
-    directors = np.where(size > 0.1, aside / np.maximum(size, 0.1), rods.directors)
+    # A segment that stands on the surface keeps its thickness direction.
+    directors = np.where(size > STANDING, aside / np.maximum(size, STANDING), rods.directors)
     return replace(rods, directors=directors, twists=DERIVED)
 
 
@@ -173,7 +186,7 @@ def _at_ends(rods: Rods) -> Contacts:
 
 
 def replaced_contacts(rods: Rods) -> Contacts:
-    """Move each contact to where its two rods now come closest, near to where it was."""
+    """Move each contact to where its two rods are closest now, at most `NEARBY` segments away."""
     layout, contacts = rods.layout, rods.contacts
     if not len(contacts):
         return contacts
@@ -212,7 +225,7 @@ def _closest_places(p: Vectors, u: Vectors, q: Vectors, v: Vectors) -> tuple[Sca
     uu, uv, vv = (u * u).sum(axis=1), (u * v).sum(axis=1), (v * v).sum(axis=1)
     uw, vw = (u * w).sum(axis=1), (v * w).sum(axis=1)
     determinant = uu * vv - uv**2
-    safe = np.maximum(determinant, 1e-12 * uu * vv)
+    safe = np.maximum(determinant, PARALLEL * uu * vv)
     s = np.clip((uv * vw - vv * uw) / safe, 0.0, 1.0)
     t = np.clip((uv * s + vw) / vv, 0.0, 1.0)
     s = np.clip((uv * t - uw) / uu, 0.0, 1.0)
@@ -241,10 +254,11 @@ def relax_rods(
     gravity: ArrayLike | None = None,
     callback: Callable[[Step], None] | None = None,
 ) -> Equilibrium:
-    """Find the shape that a weave takes when it is left to itself, without any pull to the surface (E.2).
+    """Find the shape that rods take when nothing holds them to a surface (E.2).
 
-    The orientation of contacts is so stiff that steps creep along the curved valley where ribbons lie flush.
-    So it is relaxed with softer ones first, then with those that were asked for (DEVIATIONS, rod-steps).
+    With contacts as stiff as asked for, steps from a distant start are very short. So a first minimisation
+    holds sections flush with a softer stiffness (`SOFT`), and a second one with that asked for (DEVIATIONS,
+    rod-steps).
 
     Parameters
     ----------
@@ -260,6 +274,10 @@ def relax_rods(
     ------
     RodError
         If there is gravity but nothing fixed: the constraint on the centre of mass would balance it.
+
+    >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
+    >>> gw.rods.relax_rods(rods).energies["geodesic curvature"] < 1.0
+    True
     """
     held = _held(rods, fixed)
     load = None
@@ -285,7 +303,7 @@ def relax_rods(
     steps: list[Step] = []
 
     def told(step: Step, harder: float) -> None:
-        """Count steps through, and give energies by the stiffness that was asked for."""
+        """Number the steps of both minimisations; give energies for the stiffness that was asked for."""
         energies = step.energies | {k: harder * e for k, e in step.energies.items() if k == ORIENTATION}
         steps.append(replace(step, number=len(steps), energies=energies, rods=None))
         if callback is not None:
@@ -314,7 +332,7 @@ def vertex_masses(rods: Rods) -> Scalars:
 
 
 def _held(rods: Rods, fixed: ArrayLike | None) -> Flags:
-    """(3 V + S,) unknowns that fixed vertices take out."""
+    """(3 V + S,) unknowns that do not change: fixed vertices, and angles of segments between two of them."""
     layout = rods.layout
     still = np.zeros(layout.vertices, dtype=bool) if fixed is None else np.asarray(fixed)
     if still.dtype != bool or still.shape != (layout.vertices,):

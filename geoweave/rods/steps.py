@@ -1,6 +1,7 @@
-"""Steps that lower the energy of elastic rods: linear systems, line search, rigid motions (Appendix E).
+"""One step that lowers the energy of elastic rods (Appendix E).
 
-`geoweave.rods.equilibrium` repeats them until the forces balance.
+A step solves a linear system, loses its rigid motion, and is shortened until the energy falls.
+`geoweave.rods.equilibrium` repeats steps until the forces balance.
 """
 
 from __future__ import annotations
@@ -26,15 +27,23 @@ __all__ = ["DAMPING", "NEAR", "NEWTON", "Problem", "State", "Stepping", "Taken",
 
 @dataclass(frozen=True)
 class Stepping:
-    """The numbers of the iteration.
+    """When the iteration ends, and how far one step may go.
 
     Attributes
     ----------
-    tolerance : the iteration has converged where the forces balance to this share of their size
-    most_steps : no more steps than this
-    turn : no segment turns by more than this in one step, radians
+    tolerance : the iteration has converged when unbalanced forces are this share of all forces
+    most_steps : largest number of steps
+    turn : largest angle by which a step may turn a segment, radians
     sufficient : share of the predicted decrease of the energy that a step must achieve (Armijo)
-    shortest : share of a step below which the line search gives up
+    shortest : share of the full step at which the line search gives up
+
+    Raises
+    ------
+    FieldError
+        If a number is not positive.
+
+    >>> gw.rods.Stepping(most_steps=100).tolerance
+    1e-06
     """
 
     tolerance: float = 1e-6
@@ -54,13 +63,25 @@ NO_FORCE = 1e-15
 """Forces below this share of ``Y w h``, which would double a ribbon's length, are rounding."""
 
 NEAR = 0.1
-"""Newton steps are tried where the forces balance to this share."""
+"""Newton steps are tried once unbalanced forces are at most this share of all forces."""
 
 FORESEEN = 0.2
-"""They are tried where residuals are off from what the last steps foresaw by no more than this share."""
+"""They are tried only while residuals differ from their prediction by at most this share of the energy."""
 
 TRIES = 4
-"""Dampings tried to make the second derivative positive definite, before Gauss-Newton's is taken."""
+"""Dampings that are tried for a Newton step. If none works, a Gauss-Newton step is taken."""
+
+CAUTION = 4.0
+"""Factor by which the damping of Newton steps changes."""
+
+SHORT_STEP, LONG_STEP = 0.25, 0.5
+"""A line search that stops below the first share asks for more damping, one above the second for less."""
+
+ROUNDING = 4.0
+"""An energy is known to this many units in the last place of the sum of its terms."""
+
+LEVEL = 1e3
+"""The energy cannot judge a step whose predicted decrease is below this many times its rounding."""
 
 Solve: TypeAlias = Callable[[Scalars], Scalars]
 
@@ -101,12 +122,16 @@ class State(NamedTuple):
 
 
 class Taken(NamedTuple):
-    """Where a step led, the whole step, the share that no segment turns too far by, and the line search's."""
+    """A step that was accepted."""
 
     trial: Trial
+    """The rods after the step."""
     step: Scalars
+    """(3 V + S,) solution of the linear system."""
     whole: float
+    """Share of it, at most 1, at which no segment turns by more than `Stepping.turn`."""
     share: float
+    """Share of that, at most 1, at which the energy fell enough."""
 
 
 class Problem:
@@ -133,7 +158,7 @@ class Problem:
         self.parts = [] if anchored else _parts(rods, fixed)
 
     def tried(self, rods: Rods) -> Trial:
-        """Take residuals and energies at rods."""
+        """Evaluate residuals and energies of rods."""
         residuals = [term.residual(rods) for term in self.terms]
         energies = {
             term.name: 0.5 * float((r**2).sum()) for term, r in zip(self.terms, residuals, strict=True)
@@ -143,14 +168,17 @@ class Problem:
         return Trial(rods, residuals, energies)
 
     def moved(self, rods: Rods, step: Scalars) -> Trial | None:
-        """Rods after a step, or None if they would be none."""
+        """Rods after a step; None if a segment would vanish or fold back."""
         try:
             return self.tried(rods.stepped(step))
         except RodError:
             return None
 
     def completed(self, trial: Trial) -> State:
-        """Add the Jacobians, the gradient of the energy, and its size as a share of its parts."""
+        """Add Jacobians and the gradient of the energy.
+
+        The size of the gradient is given as a share of the sum of the sizes of its terms.
+        """
         jacobians = [term.derivative(trial.rods) for term in self.terms]
         parts = self.pulled(jacobians, trial.residuals)
         size = sum(float(np.linalg.norm(own / self.unit)) for own in parts)
@@ -172,27 +200,28 @@ class Problem:
         return found
 
     def linear(self, now: State, step: Scalars) -> list[Table]:
-        """Residuals after a step if they were linear."""
+        """Predict the residuals after a step from their Jacobians."""
         return [
             residual + np.einsum("nrk,nk->nr", jacobian, step[term.unknowns])
             for term, residual, jacobian in zip(self.terms, now.residuals, now.jacobians, strict=True)
         ]
 
     def is_foreseen(self, now: State, foreseen: list[Table]) -> bool:
-        """Whether residuals came out as the steps until now let expect.
+        """Whether residuals came out nearly as the last steps predicted.
 
-        Where they did not, stiff contacts are out of balance, and the curvature that their forces would give
-        the energy is nothing to go by.
+        If not, the forces of stiff contacts are far from balance. They enter the second derivative of the
+        energy, which is then misleading.
         """
         off = sum(float(((r - f) ** 2).sum()) for r, f in zip(now.residuals, foreseen, strict=True))
         return 0.5 * off <= FORESEEN * sum(0.5 * float((r**2).sum()) for r in now.residuals)
 
     def matrix(self, now: State, forces: list[Table] | None = None) -> sparse.csr_array:
-        """Return the second derivative of the energy, Gauss-Newton's if no forces are given.
+        """Return the second derivative of the energy.
 
-        Forces weigh the second derivatives of the residuals. Those foreseen by the last step are better than
-        the residuals themselves: in a stiff contact a small second-order error is a large force, which the
-        next step takes away (as multipliers in SQP).
+        Without forces this is the Gauss-Newton matrix ``J' J``. Forces weigh the second derivatives of the
+        residuals, which are added to it. The predicted residuals are better forces than the residuals
+        themselves: in a stiff contact a small error of second order is a large force, which the next step
+        removes. Multipliers in sequential quadratic programming play the same part.
         """
         extra: list[Table | None] = [None] * len(self.terms)
         for number, term in enumerate(self.terms if forces is not None else ()):
@@ -222,18 +251,19 @@ class Problem:
     def newton(
         self, now: State, shift: float, foreseen: list[Table], numbers: Stepping
     ) -> tuple[Taken | None, float]:
-        """Return where a Newton step leads, and the damping for the next.
+        """Take a Newton step; return it, or None, and the damping for the next.
 
-        Near a saddle a step grows along the unstable direction the more, the less the damping is above what
-        makes the matrix positive definite; so it changes by factors of four only.
+        Near a saddle the step along the unstable direction becomes very long when the damping is only just
+        large enough to make the matrix positive definite. So the damping changes slowly.
         """
         matrix = self.matrix(now, foreseen)
         for attempt in range(TRIES):
             taken = self.advanced(now, self.factored(matrix, shift), numbers)
             if taken is not None:
-                change = 4.0 if taken.share < 0.25 else 0.25 if taken.share > 0.5 and not attempt else 1.0
+                shorter = taken.share > LONG_STEP and not attempt
+                change = CAUTION if taken.share < SHORT_STEP else 1.0 / CAUTION if shorter else 1.0
                 return taken, min(max(change * shift, NEWTON[0]), NEWTON[2])
-            shift = min(4.0 * shift, NEWTON[2])
+            shift = min(CAUTION * shift, NEWTON[2])
         return None, shift
 
     def solved(self, rods: Rods, solve: Solve, gradient: Scalars) -> Scalars | None:
@@ -248,9 +278,9 @@ class Problem:
     def advanced(self, now: State, solve: Solve | None, numbers: Stepping) -> Taken | None:
         """Halve a step until the energy falls enough.
 
-        A straight step s leaves the curved valley in which lengths and contacts hold. What residuals are off
-        from linear there gives, for one solution with the same matrix, the step b that leads back, and the
-        search goes along the arc ``t s + t^2 b`` (second-order correction).
+        Lengths and contacts are stiff, so low energies lie in a curved valley, and a straight step s leaves
+        it. One more solution with the same matrix gives the step b that leads back into it. The search then
+        goes along the arc ``t s + t^2 b`` (second-order correction).
         """
         step = None if solve is None else self.solved(now.rods, solve, now.gradient)
         if solve is None or step is None:
@@ -260,7 +290,7 @@ class Problem:
         slope = whole * float(now.gradient @ step)
         if not slope < 0:
             return None
-        rounding = 4.0 * np.finfo(np.float64).eps * sum(abs(e) for e in now.energies.values())
+        rounding = ROUNDING * np.finfo(np.float64).eps * sum(abs(e) for e in now.energies.values())
         share, back = 1.0, None
         while share >= numbers.shortest:
             along = share * whole * step
@@ -277,15 +307,15 @@ class Problem:
             for each in found:
                 if each.energy <= goal:
                     return Taken(each, step, whole, share)
-                # Where the energy can no longer tell the two apart, the forces can.
-                level = -share * slope < 1e3 * rounding and each.energy <= now.energy + rounding
+                # Near the end rounding hides the decrease of the energy; then forces decide.
+                level = -share * slope < LEVEL * rounding and each.energy <= now.energy + rounding
                 if level and self.completed(each).relative < now.relative:
                     return Taken(each, step, whole, share)
             share *= 0.5
         return None
 
     def back(self, now: State, trial: Trial, along: Scalars, solve: Solve) -> Scalars | None:
-        """Return the step that takes residuals after a straight one to where they were foreseen."""
+        """Return the step that takes residuals, after a straight step, to what was predicted."""
         linear = self.linear(now, along)
         off = [r - f for r, f in zip(trial.residuals, linear, strict=True)]
         force = np.sum(self.pulled(now.jacobians, off), axis=0)
@@ -302,7 +332,7 @@ def _turn(rods: Rods, step: Scalars) -> float:
 
 
 def _parts(rods: Rods, fixed: Flags) -> list[tuple[Indices, Indices]]:
-    """Vertices and segments of each part of the weave that nothing holds."""
+    """Vertices and segments of each connected part of the weave that has no fixed vertex."""
     layout, pair = rods.layout, rods.layout.rod_of_segment[rods.contacts.segments]
     links = sparse.csr_array((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(len(rods),) * 2)
     count, label = csgraph.connected_components(links, directed=False)
@@ -317,7 +347,7 @@ def _parts(rods: Rods, fixed: Flags) -> list[tuple[Indices, Indices]]:
 
 
 def _remove_rigid_motion(rods: Rods, part: tuple[Indices, Indices], step: Scalars) -> None:
-    """Take out of a step what moves the centre of mass of a part or turns it as a whole."""
+    """Remove from a step the motion of a part's centre of mass and its rotation as a whole."""
     vertices, segments = part
     mass = np.zeros(rods.layout.vertices)
     for end in rods.layout.ends.T:

@@ -1,4 +1,4 @@
-"""``weave.json`` read back, and put in another shape (DESIGN: the file is a contract)."""
+"""Read ``weave.json``, make rods of it, and write it for ribbons at rest."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ YOUNG = 1e8
 
 
 class WovenRods(NamedTuple):
-    """The ribbons of a ``weave.json`` as rods, and where they were."""
+    """The ribbons of a ``weave.json`` as rods, and where they are in the file."""
 
     rods: Rods
     """Centred at the mean of the ribbons' points, the farthest of them at distance 1."""
@@ -40,6 +40,11 @@ def read_weave(path: str | PathLike[str]) -> dict[str, Any]:
     ------
     WeaveFileError
         If the file cannot be read, is no JSON, or is no weave of a version that is known here.
+
+    >>> gw.rods.read_weave("no such.json")
+    Traceback (most recent call last):
+    ...
+    geoweave.errors.WeaveFileError: no such.json: cannot be read (No such file or directory); check the path
     """
     name = Path(path).name
     try:
@@ -135,7 +140,7 @@ def at_rest(
     known, first = np.unique(contacts.group, return_index=True)
     crossings: list[dict[str, Any]] = []
     for contact, x in sorted(zip(known.tolist(), first.tolist(), strict=True), key=lambda pair: pair[1]):
-        if contact < 0:  # a rod that crosses itself within one segment is not held there
+        if contact < 0:  # a crossing of a segment with itself has no contact
             continue
         pair, share = contacts.segments[contact], contacts.places[contact]
         ends = layout.ends[pair]

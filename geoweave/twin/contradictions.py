@@ -48,6 +48,10 @@ def contradictions_of(surface: PatternSurface) -> tuple[Contradiction, ...]:
     A change that does it at once comes alone: the sign of a crossing, or the order of two neighbours on a
     strip. Otherwise it is the place of a crossing of two strips where leaving out either of them does it. If
     more than one place is wrong, every change of a sign or of an order that takes a handle away is listed.
+
+    >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=8).sized(200.0)
+    >>> gw.twin.contradictions_of(gw.twin.surface_of(gw.fabrication.pattern_of(weave)))
+    ()
     """
     if not surface.tangled:
         return ()

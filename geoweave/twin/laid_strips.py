@@ -55,7 +55,7 @@ class LaidStrips(NamedTuple):
 
 
 def cut(pattern: Pattern) -> Cut:
-    """Cut strips into equal segments, `PIECES` to a mean stretch between two crossings."""
+    """Cut strips into equal segments, `PIECES` of them to a mean stretch between two crossings."""
     lengths = np.array([strip.length for strip in pattern.strips])
     closed = np.array([strip.closed for strip in pattern.strips])
     size = lengths.sum() / (2 * PIECES * len(pattern.ribbons))
@@ -67,7 +67,7 @@ def cut(pattern: Pattern) -> Cut:
     at = np.where(closed[owner], np.remainder(at, counts[owner]), at)
     whole = np.clip(np.floor(at).astype(np.int64), 0, counts[owner] - 1)
     segments = layout.segment_offsets[owner] + whole
-    # Two strips that cross twice within a width of each lie on each other there, and cannot change sides.
+    # Two strips that cross twice within a width lie along each other there: one contact stands for both.
     merge = merged(Passages(owner, pattern.at, closed), pattern.width, lengths)
     apart = segments[merge.kept, 0] != segments[merge.kept, 1]
     return Cut(
@@ -83,8 +83,9 @@ def cut(pattern: Pattern) -> Cut:
 def laid(surface: PatternSurface, points: Vectors, unit: float | None = None) -> LaidStrips:
     """Lay strips smoothly near their crossings, flush with the surface there, the printed side out.
 
-    Rods are naturally straight and flat and as long as they are cut. Vertices are where the sum of squared
-    distances from crossings and of second differences (`SMOOTH`) is least, so that tails go on straight.
+    Rods are naturally straight and flat, and as long as the strips. Their vertices minimise the sum of
+    squared distances from crossings and of squared second differences (`SMOOTH`), so free ends go on
+    straight.
 
     Parameters
     ----------
@@ -116,7 +117,7 @@ def laid(surface: PatternSurface, points: Vectors, unit: float | None = None) ->
     fit = factorization.factorized(matrix, factorization.nested_dissection(matrix)).solve(meet.T @ goal)
     line, up = fit[:, :3], fit[:, 3:]
     line = line - line.mean(axis=0)
-    # Tails left out, this is as near as can be to the bounding radius of the surface it was made for.
+    # Without free ends this is nearly the bounding radius of the surface that the weave was designed on.
     if unit is None:
         unit = float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())
     edges = line[layout.ends[:, 1]] - line[layout.ends[:, 0]]
@@ -127,7 +128,7 @@ def laid(surface: PatternSurface, points: Vectors, unit: float | None = None) ->
     directors = up[layout.ends].sum(axis=1)
     directors -= (directors * tangents).sum(axis=1)[:, None] * tangents
     size = np.linalg.norm(directors, axis=1, keepdims=True)
-    # Where a strip stands on the fitted surface any direction square to it is as good as another.
+    # Where a strip stands on the fitted surface, any direction square to it will do.
     spare = np.cross(tangents, np.eye(3)[np.abs(tangents).argmin(axis=1)])
     directors = np.where(size > 1e-6, directors, spare)
     directors /= np.linalg.norm(directors, axis=1, keepdims=True)

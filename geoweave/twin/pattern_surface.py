@@ -1,15 +1,15 @@
 """The surface that the strips of a pattern close into, known from the pattern alone (Section 5.4).
 
-At each crossing the signed angle says in which cyclic order the two strips leave it, seen from outside. Such
-orders at the vertices of a graph make it the net of a closed surface: going along a stretch of strip and
-always turning off to the left leads round a face. The number of faces gives the Euler characteristic, and
-with it the genus, before anything has a place in space.
+At each crossing the signed angle gives the cyclic order in which the two strips leave it, seen from outside.
+A graph with a cyclic order at every vertex is embedded in one closed surface: whoever walks along a stretch
+of strip and turns left at every crossing walks round a face. Counting faces gives the Euler characteristic
+and the genus, without any place in space.
 
 Conventions
 -----------
 Dart ``4 x + 2 s + b`` leaves crossing x along its strip s, towards the end of the strip (b = 0) or towards
-its start (b = 1). A stretch between two neighbouring crossings has two darts; what is left of a strip beyond
-its last crossing is a tail, and bounds no face.
+its start (b = 1). A stretch between two neighbouring crossings has two darts. A tail is what is left of a
+strip beyond its last crossing; it bounds no face.
 """
 
 from __future__ import annotations
@@ -46,13 +46,17 @@ class Chords(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PatternSurface:
-    """The closed surface in which a pattern's strips are a net, each face a disk.
+    """The closed surface in which a pattern's strips are embedded, each face a disk.
 
     Attributes
     ----------
     pattern : the pattern
     partner : (4 C,) dart at the other end of the same stretch, -1 where the strip ends
     stretch : (4 C,) length of the stretch, mm; 0 for a tail
+
+    >>> weave = gw.weave_pattern(gw.shapes.torus(faces=800), ribbons=8).sized(200.0)
+    >>> gw.twin.surface_of(gw.fabrication.pattern_of(weave)).genus
+    1
     """
 
     pattern: Pattern
@@ -112,7 +116,7 @@ class PatternSurface:
 
     @cached_property
     def meshes(self) -> tuple[Indices, ...]:
-        """Faces without the openings: rims, so large that they are no meshes, into which many strips end."""
+        """Faces that are no openings. An opening has many corners, and many strips end in it."""
         return tuple(
             walk
             for walk, ends in zip(self.faces, self.tails, strict=True)
@@ -121,7 +125,7 @@ class PatternSurface:
 
     @property
     def openings(self) -> int:
-        """Number of faces that are rims."""
+        """Number of faces that are openings."""
         return len(self.faces) - len(self.meshes)
 
     @cached_property
@@ -145,18 +149,18 @@ class PatternSurface:
 
     @cached_property
     def tangled(self) -> tuple[Indices, ...]:
-        """Faces that come to a crossing twice.
+        """Faces that pass a crossing twice.
 
-        A sound pattern has none, unless a single crossing is all that joins two parts. A wrong sign, or a
-        crossing at a wrong place between others, joins the faces about it into long ones that do.
+        A sound pattern has none, unless two parts are joined by a single crossing only. A wrong sign or a
+        crossing at a wrong place joins the faces about it into a long one that passes it twice.
         """
         return tuple(walk for walk in self.faces if len(np.unique(walk // 4)) < len(walk))
 
     def chords(self) -> Chords:
         """Distances across faces, which are laid flat with their lengths and angles.
 
-        Angles are spread evenly so that they close, then places; a face that is too curved for that, an
-        opening, or one that meets itself is left out.
+        A flat face closes only nearly. The error of its angles is spread evenly over its corners, then the
+        error of its places. Faces that are too curved for this, openings, and tangled faces are left out.
         """
         ends, lengths = [], []
         for walk in self.faces:
@@ -189,6 +193,11 @@ def surface_of(pattern: Pattern) -> PatternSurface:
     ------
     FieldError
         If there is no crossing.
+
+    >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=8).sized(200.0)
+    >>> surface = gw.twin.surface_of(gw.fabrication.pattern_of(weave))
+    >>> surface.genus, surface.openings
+    (0, 0)
     """
     count = len(pattern.ribbons)
     if not count:

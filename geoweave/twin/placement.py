@@ -1,9 +1,10 @@
 """Where the crossings of a pattern lie in space, before any physics: the start of its twin.
 
-The pattern gives lengths along strips and across faces, so the distance between any two crossings along the
-surface. Classical scaling (Torgerson 1952) puts crossings where straight lines meet these distances as well
-as they can, which has the right topology and is too large where the surface is round. From there short
-distances alone are met, by springs, while strips are held smooth with less and less force.
+The pattern gives lengths along strips and across faces. Sums of them are distances between any two crossings
+along the surface. Classical scaling (Torgerson 1952) finds places whose straight distances are as near to
+these as possible. Their topology is right, but round parts come out too large. From there springs of the
+short distances alone pull crossings to their places, while strips are kept smooth, in stages with less and
+less force.
 """
 
 from __future__ import annotations
@@ -14,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
-from scipy.sparse.linalg import eigsh
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
@@ -51,19 +51,25 @@ ACROSS = 0.5
 """Weight of a distance across a face against one along a strip, which is cut to its length."""
 
 SHORT = 0.2
-"""Distances below this share of the usual one count as if they were as long: they are known no better."""
+"""Springs shorter than this share of the usual length are no stiffer than one of this length."""
 
 SPREAD = 0.5
-"""Neighbours for the bending of a strip are at least this share of the usual distance away."""
+"""The bending of a strip is measured between crossings at least this share of the usual length apart."""
 
 ROUND = 0.3
-"""If the fourth axis of the scaling has this share of the third, the third is no clear direction."""
+"""The third axis of the scaling is unclear if the fourth has this share of its eigenvalue."""
 
 NO_OUTSIDE = 0.6
 """A surface with openings has an outside from this `outward` on; it is 1 for a cone and 0.3 for a saddle."""
 
 VOICE, VOTES = 0.5, 4
-"""Weight of each neighbour in the normal of a crossing, and how often all are asked."""
+"""Weight of each neighbour in the normal of a crossing, and number of rounds of averaging."""
+
+LEAST_DAMPING, FIRST_DAMPING, MOST_DAMPING = 1e-6, 1e-3, 1e6
+"""Damping of the Gauss-Newton steps, in units of a spring's stiffness."""
+
+LESS, MORE = 3.0, 5.0
+"""The damping is divided by the first after a step that lowers the energy, else multiplied by the second."""
 
 STEPS = 40
 """Steps of a stage at most."""
@@ -90,7 +96,7 @@ class Net(NamedTuple):
 
 
 def net_of(surface: PatternSurface) -> Net:
-    """Take from a pattern's surface what its crossings are to keep."""
+    """Collect the distances between crossings that a pattern's surface gives."""
     forward = surface.edges[:, 0]
     pairs, along = surface.edges // 4, surface.stretch[forward]
     proper = pairs[:, 0] != pairs[:, 1]
@@ -115,20 +121,20 @@ def net_of(surface: PatternSurface) -> Net:
 def placed(surface: PatternSurface, net: Net, *, mirrored: bool = False) -> tuple[Vectors, ...]:
     """Place the crossings of a pattern in space, its printed side out, in several ways.
 
-    Distances cannot tell a shape from its mirror image; that the outside is outside does, where there is one
-    (`outward`). A shape that is flat in the scaling, as a cone seen from its tip, is also tried as a bowl,
-    and the better fit is taken.
+    A shape and its mirror image have the same distances. Of the two, that with the printed side out is taken,
+    where the shape has an outside (`outward`). A shape that is flat in the scaling, as a cone seen from its
+    tip, is also tried as a bowl, and the better fit is taken.
 
     Parameters
     ----------
     surface, net : of the pattern
-    mirrored : begin with the mirror image of the scaling. The result does not depend on it, but for a surface
-        without an outside, of which the mirror image comes out
+    mirrored : begin with the mirror image of the scaling. The result is the same if the surface has an
+        outside, and the mirror image if it has none
 
     Returns
     -------
-    (C, 3) points, mm, about the origin, after each stage of `settled`: the later, the nearer to the lengths,
-    and the more wrinkles, of which rods may not get rid.
+    (C, 3) points, mm, about the origin, after each stage of `settled`. Later stages fit the lengths better
+    but may have wrinkles, which relaxing does not always remove.
 
     Raises
     ------
@@ -169,6 +175,8 @@ def scaled(net: Net, count: int) -> tuple[Vectors, Scalars]:
     FieldError
         If there are fewer than six crossings, or they are not all joined to each other.
     """
+    from scipy.sparse.linalg import eigsh
+
     if count < 6:
         raise FieldError(f"the strips cross at {count} places only, which does not make a surface")
     low, high = np.sort(net.ends, axis=1).T
@@ -193,7 +201,7 @@ def scaled(net: Net, count: int) -> tuple[Vectors, Scalars]:
 def settled(
     surface: PatternSurface, net: Net, points: Vectors, smoothing: tuple[Smoothing, ...] = SMOOTHING
 ) -> tuple[tuple[Vectors, ...], float]:
-    """Let springs of the net's lengths and smooth strips balance, with less and less weight on the latter.
+    """Balance springs of the net's lengths against the bending of strips, whose weight falls in stages.
 
     Minimises ``sum w (|p - q| - l)^2 / l + b u^2 sum |(p+ - p) / l+ - (p - p-) / l-|^2 / l`` by damped
     Gauss-Newton steps, with w = 1 along strips and `ACROSS` across faces, u the usual length, l in the
@@ -225,7 +233,7 @@ def crossing_normals(surface: PatternSurface, points: Vectors) -> Vectors:
     ways /= np.maximum(np.linalg.norm(ways, axis=2, keepdims=True), 1e-300)
     side = np.where(pattern.angle >= 0, 1.0, -1.0)[:, None]
     own = side * np.cross(ways[:, 0], ways[:, 1])
-    # Neighbours are asked too: what a shallow crossing says is noise, and one of the wrong sign is outvoted.
+    # The normal of a shallow crossing is noise, that of a wrong sign points inwards: average with neighbours.
     pairs = surface.edges // 4
     links = sparse.coo_array(
         (np.full(2 * len(pairs), VOICE), (pairs.T.ravel(), pairs.T[::-1].ravel())), shape=(len(points),) * 2
@@ -306,7 +314,7 @@ class _Springs:
         roots = np.sqrt(smooth.normal) * along + np.sqrt(smooth.tangential) * (np.eye(3) - along)
         pulls = np.einsum("tk,txy->txky", self.share, roots).reshape(len(roots), 3, 9)
         bending = (pulls.transpose(0, 2, 1) @ pulls).ravel()
-        damping, energy = 1e-3, self.energy(points, roots)
+        damping, energy = FIRST_DAMPING, self.energy(points, roots)
         for _ in range(STEPS):
             way, length, residual = self.stretched(points)
             pull = self.weight[:, None] * np.concatenate([-way, way], axis=1)
@@ -316,12 +324,12 @@ class _Springs:
                 np.concatenate([(residual[:, None] * pull).ravel(), local.ravel()]),
                 minlength=3 * self.count,
             ).astype(np.float64)
-            # A stretched spring also resists being turned; one that is pressed together would buckle.
+            # A stretched spring resists rotation. A compressed one would buckle; that part is left out.
             taut = self.weight**2 * np.maximum(1.0 - self.net.lengths / length, 0.0)
             side = taut[:, None, None] * (np.eye(3) - way[:, :, None] * way[:, None, :])
             block = pull[:, :, None] * pull[:, None, :] + np.block([[side, -side], [-side, side]])
             before = energy
-            while damping < 1e6:
+            while damping < MOST_DAMPING:
                 extra = np.full(3 * self.count, damping * self.unit)
                 matrix = self.sum(np.concatenate([block.ravel(), bending, extra]))
                 step = factorization.factorized(matrix, self.analysis).solve(force)
@@ -329,9 +337,9 @@ class _Springs:
                 reached = self.energy(trial, roots)
                 if reached < energy:
                     points, energy = trial, reached
-                    damping = max(damping / 3.0, 1e-6)
+                    damping = max(damping / LESS, LEAST_DAMPING)
                     break
-                damping *= 5.0
+                damping *= MORE
             if before - energy <= STILL * before:
                 break
         return points, energy

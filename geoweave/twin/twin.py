@@ -1,9 +1,9 @@
 """The twin of a woven object: a pattern put together in simulation, from the strips alone (Section 5.4).
 
-A pattern is right when the object comes back. The twin knows what a maker knows: how long the strips are,
-where they cross, which lies above, by which angle they turn, and that the printed side is out. It is put
-together on the surface that these close into, relaxed as elastic rods that are naturally straight
-(Appendix E), and compared with the weave that the pattern was exported from.
+The twin is made of what a maker has: the lengths of the strips, where they cross and by which angle, which
+lies above, and that the printed side is out. The crossings are placed on the surface that the strips close
+into. The strips are laid there as rods that are naturally straight, and relaxed (Appendix E). The result is
+compared with the weave that the pattern was exported from.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ COMES_BACK = 0.05
 """An object has come back if no crossing is farther off than this share of the bounding diagonal."""
 
 STEPPING = Stepping(tolerance=1e-3, most_steps=100)
-"""Numbers of the relaxation: shapes are compared to a per cent, and the last digits take longest."""
+"""How the twin is relaxed. Shapes are compared to a per cent, so the tolerance can be rough."""
 
 TRYING = Stepping(tolerance=1e-2, most_steps=30)
-"""Numbers of the relaxation of each start; the one of least energy goes on."""
+"""How each start is relaxed at first; the one that reaches the least energy is then relaxed further."""
 
 
 class Likeness(NamedTuple):
@@ -60,7 +60,7 @@ class Likeness(NamedTuple):
     ribbons: Distances
     """From each place of a ribbon to the same share of its length in the weave."""
     hausdorff: float
-    """Between the centrelines as sets, to both sides: is the shape the same, wherever ribbons slid."""
+    """Hausdorff distance of the centrelines as sets: small where the shape is the same but ribbons slid."""
     diagonal: float
     """Of the bounding box of the weave's ribbons, mm."""
     worst: int
@@ -99,7 +99,7 @@ class Twin:
     placed : (C, 3) where crossings were put before physics, mm
     start : strips laid there
     rest : where the rods came to rest, at bounding radius 1
-    tried : energies at which the starts arrived, of which the least went on
+    tried : energy that each start reached; the least was relaxed further
     seconds : wall-clock seconds of each stage
     """
 
@@ -112,7 +112,7 @@ class Twin:
 
     @property
     def pattern(self) -> Pattern:
-        """What it was made from, and all that it was made from."""
+        """The pattern that it was made from."""
         return self.surface.pattern
 
     @property
@@ -137,7 +137,7 @@ class Twin:
 
     @property
     def side_known(self) -> bool:
-        """Whether that tells the object from its mirror image; of the two either may be woven if not."""
+        """Whether `outward` tells the object from its mirror image; if not, either may be woven."""
         return has_outside(self.surface, self.outward)
 
     @cached_property
@@ -306,9 +306,9 @@ def assembled(
     Parameters
     ----------
     pattern : flat strips and their crossings; no coordinate in space goes in
-    anyway : put together also what contradicts itself
-    mirrored : begin with the mirror image. The printed side comes out all the same; only an object without an
-        outside comes out mirrored (`Twin.side_known`)
+    anyway : put the pattern together even if it contradicts itself
+    mirrored : begin with the mirror image. An object with an outside comes out the same; one without comes
+        out mirrored (`Twin.side_known`)
     springs : stiffnesses of the contacts
     stepping : numbers of the relaxation; `STEPPING` if not given
     callback : called with every `Step` of it
@@ -319,6 +319,11 @@ def assembled(
         If strips do not cross, fall into pieces, or a crossing contradicts those about it.
     RodError
         If a strip cannot be a rod.
+
+    >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=8).sized(200.0)
+    >>> twin = gw.twin.assembled(gw.fabrication.pattern_of(weave))
+    >>> twin.compared(weave.document()).comes_back
+    True
     """
     clock = time.perf_counter()
     surface = surface_of(pattern)
