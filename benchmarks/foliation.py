@@ -16,7 +16,7 @@ from benchmarks.memory import peak_gigabytes
 from geoweave.fields.geodesic import INTEGRABLE_END, geodesic_field, sharpening_schedule
 from geoweave.fields.operators import ClosedFields
 from geoweave.fields.rosy import smoothest_field
-from geoweave.foliation import integrability, theta_and_s
+from geoweave.foliation import integrability, theta_systems
 from geoweave.foliation.foliation import foliate, punctured
 from geoweave.foliation.integrability import integrating_factor
 from geoweave.models.shapes import genus_g
@@ -50,11 +50,11 @@ def counting() -> Iterator[tuple[list[int], list[int]]]:
         return Counted(factorized(*arguments), solves)
 
     try:
-        for module in (theta_and_s, integrability):
+        for module in (theta_systems, integrability):
             module.factorized = counted  # type: ignore[attr-defined]
         yield made, solves
     finally:
-        for module in (theta_and_s, integrability):
+        for module in (theta_systems, integrability):
             module.factorized = factorized  # type: ignore[attr-defined]
 
 

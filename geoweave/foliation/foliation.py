@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from geoweave.arrays import Scalars, frozen
+from geoweave.arrays import Complexes, Scalars, frozen
 from geoweave.errors import FieldError, MeshError
 from geoweave.fields import FaceField, vertex_indices
 from geoweave.foliation.circle_function import CircleFunction
@@ -18,7 +18,8 @@ from geoweave.foliation.integrability import (
     vertices_and_faces,
 )
 from geoweave.foliation.level_set_alignment import Alignment, alignment
-from geoweave.foliation.theta_and_s import Alternation, along_edges
+from geoweave.foliation.theta_and_s import Alternation
+from geoweave.foliation.theta_energy import along_edges
 from geoweave.sparse import Ordering, one_blas_thread
 from geoweave.surface import Part, part_of
 
@@ -188,37 +189,64 @@ def foliate(
     unit = s if weighting == "relative" else w.mesh.component_means(s)[w.mesh.face_components]
     with one_blas_thread():
         problem = Alternation(w, s, unit, smoothness * field.mesh.bounding_radius**2, ordering)
-        z, theta = problem.eigenvector(problem.start(seed), None, s)
-        energies = [problem.energy(theta, s)]
-        searching = True
-        theta_changes: list[float] = []
-        s_changes: list[float] = []
-        for number in range(1, alternations + 1):
-            old_theta, old_s = theta, s
-            if number > 1 and searching:
-                z, theta = problem.eigenvector(z, theta, s)
-                # Where it did not help once, theta has settled, and it does not help later either.
-                searching = theta is not old_theta
-            if hold_s:
-                theta = problem.improve_theta(theta, s)
-            else:
-                theta, s = problem.improve_both(theta, s)
-                s = problem.improve_s(theta, s)
-            energies.append(problem.energy(theta, s))
-            theta_changes.append(problem.theta_change(old_theta, theta))
-            s_changes.append(float(np.sqrt(np.average((s / old_s - 1.0) ** 2, weights=w.mesh.face_areas))))
-            if callback is not None:
-                callback(number, energies[-1])
-            if energies[-2] - energies[-1] <= tolerance * energies[-1]:
-                break
-    circle = CircleFunction.nearest(w.mesh, theta, edge_prediction(w, s))
-    wanted, got = (np.average(each, weights=w.mesh.face_areas) for each in (s, np.abs(circle.gradient)))
+        z = problem.start(seed)
+        found = _alternated(problem, z, s, alternations, tolerance, hold_s, callback)
+    circle = CircleFunction.nearest(w.mesh, found.theta, edge_prediction(w, found.s))
+    wanted, got = (np.average(each, weights=w.mesh.face_areas) for each in (found.s, np.abs(circle.gradient)))
     if got < LEAST_FREQUENCY * wanted:
         raise FieldError(
             "the level sets would lie farther apart than the surface is wide, so theta is nearly constant; "
             "ask for a larger scale"
         )
-    return Foliation(w, part, frozen(s), circle, tuple(energies), tuple(theta_changes), tuple(s_changes))
+    changes = tuple(found.theta_changes), tuple(found.s_changes)
+    return Foliation(w, part, frozen(found.s), circle, tuple(found.energies), *changes)
+
+
+@dataclass
+class _Course:
+    """Where the alternation has come to, and how (`Foliation` says what the lists hold)."""
+
+    theta: Scalars
+    s: Scalars
+    energies: list[float]
+    theta_changes: list[float]
+    s_changes: list[float]
+
+
+def _alternated(
+    problem: Alternation,
+    z: Complexes,
+    s: Scalars,
+    alternations: int,
+    tolerance: float,
+    hold_s: bool,
+    callback: Callable[[int, float], None] | None,
+) -> _Course:
+    """Update theta and s in turns, from the eigenvector at the first s."""
+    areas = problem.mesh.face_areas
+    z, theta = problem.eigenvector(z, None, s)
+    course = _Course(theta, s, [problem.energy(theta, s)], [], [])
+    searching = True
+    for number in range(1, alternations + 1):
+        old_theta, old_s = theta, s
+        if number > 1 and searching:
+            z, theta = problem.eigenvector(z, theta, s)
+            # Where it did not help once, theta has settled, and it does not help later either.
+            searching = theta is not old_theta
+        if hold_s:
+            theta = problem.improve_theta(theta, s)
+        else:
+            theta, s = problem.improve_both(theta, s)
+            s = problem.improve_s(theta, s)
+        course.theta, course.s = theta, s
+        course.energies.append(problem.energy(theta, s))
+        course.theta_changes.append(problem.theta_change(old_theta, theta))
+        course.s_changes.append(float(np.sqrt(np.average((s / old_s - 1.0) ** 2, weights=areas))))
+        if callback is not None:
+            callback(number, course.energies[-1])
+        if course.energies[-2] - course.energies[-1] <= tolerance * course.energies[-1]:
+            break
+    return course
 
 
 def _first_factor(

@@ -311,11 +311,11 @@ def test_theta_on_the_quotient_is_that_of_all_sheets(degree: int) -> None:
     assert isinstance(quotient.mesh, TwistedMesh)
     assert quotient.cover.mesh.n_components == 1
     below, above, s, lifted = eq8(quotient)
-    small, large = below.turned(s), above.turned(lifted)
+    small, large = below.systems.turned(s), above.systems.turned(lifted)
     assert np.iscomplexobj(large)
     assert not np.iscomplexobj(small)
     # each in the metric of its mass, as in the inverse iteration
-    root, lifted_root = 1 / np.sqrt(np.repeat(below.mass, 2)), 1 / np.sqrt(above.mass)
+    root, lifted_root = 1 / np.sqrt(np.repeat(below.systems.mass, 2)), 1 / np.sqrt(above.systems.mass)
     values, vectors = np.linalg.eigh(root[:, None] * small.toarray() * root)
     others, of_others = np.linalg.eigh(lifted_root[:, None] * large.toarray() * lifted_root)
     np.testing.assert_allclose(values, others, rtol=1e-8, atol=1e-8 * values[-1])
