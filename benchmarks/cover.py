@@ -52,7 +52,7 @@ def measure(faces: int) -> dict:
     for (stage, clock, work), (_, next_clock, next_work) in pairwise(begun):
         wall[stage] += next_clock - clock
         cpu[stage] += next_work - work
-    surface = weave.foliation.part.mesh
+    surface = weave.design.foliation.part.mesh
     system = ClosedFields(surface).mass
     ordering, order_seconds = timed(lambda: nested_dissection(system))
     one, factor_seconds = timed(lambda: factorized(system, ordering))

@@ -143,7 +143,7 @@ def measure(name: str) -> dict:
         "bound": turns.alternation_bound,
         "loose": int(weave.ribbons.loose.sum()),
         "broken": violations(weave.ribbons, turns.over),
-        "stages": weave.seconds,
+        "stages": weave.design.seconds,
         "seconds": perf_counter() - start,
         "memory_gb": peak_gigabytes(),
     }

@@ -72,6 +72,7 @@ from .weave import (
     Cover as Cover,
     Weave as Weave,
     branched_cover as branched_cover,
+    weave_curves as weave_curves,
     weave_field as weave_field,
     weave_pattern as weave_pattern,
 )

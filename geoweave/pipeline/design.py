@@ -122,7 +122,7 @@ class WovenFiles:
             "symmetry": request.symmetry,
             "scale": weave.scale,
             "ribbons_asked": request.ribbons,
-            "scales_tried": len(weave.tried) or 1,
+            "scales_tried": len(weave.design.tried) or 1,
             "seed": self.source.seed,
             "branch_points": len(weave.branch_points),
             "units": weave.units,
@@ -274,7 +274,7 @@ def _designed(
         seed=seed,
         callback=lambda stage: say(f"weaving: {stage}"),
     )
-    seconds |= weave.seconds
+    seconds |= weave.design.seconds
     weave = weave.sized(request.size, request.width, request.thickness)
     with timed(seconds, "inspection"):
         return weave, inspected(weave)

@@ -1,9 +1,19 @@
 from . import interlacing as interlacing
 from .body import SECTIONS as SECTIONS, Body as Body, Centreline as Centreline, bodies as bodies
-from .cover import Cover as Cover, branched_cover as branched_cover
-from .design import WeaveField as WeaveField, weave_field as weave_field, weave_pattern as weave_pattern
+from .cover import Cover as Cover, Leaves as Leaves, branched_cover as branched_cover
+from .design import (
+    WeaveField as WeaveField,
+    weave_curves as weave_curves,
+    weave_field as weave_field,
+    weave_pattern as weave_pattern,
+)
 from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged
 from .ribbons import Ribbons as Ribbons
 from .validity import violations as violations
-from .weave import WEAVE_FORMAT as WEAVE_FORMAT, WEAVE_VERSION as WEAVE_VERSION, Weave as Weave
+from .weave import (
+    WEAVE_FORMAT as WEAVE_FORMAT,
+    WEAVE_VERSION as WEAVE_VERSION,
+    Design as Design,
+    Weave as Weave,
+)

@@ -21,6 +21,11 @@ from geoweave.foliation import CircleFunction, Foliation
 from geoweave.surface import Part, TriMesh, TwistedMesh, connected_components, part_of
 
 
+def family_count(symmetry: int) -> int:
+    """Families of ribbons of an N-RoSy: two opposite vectors share one."""
+    return symmetry // 2 if symmetry % 2 == 0 else symmetry
+
+
 @dataclass(frozen=True, eq=False)
 class Cover:
     """N copies of a punctured surface as one surface, which carries one vector of the RoSy on each face.
@@ -35,6 +40,13 @@ class Cover:
     part : that surface without its branch points and the faces round them, F' faces
     mesh : the cover, N F' faces
     vertices : (V',) vertex of the surface below under each vertex of the cover
+
+    Examples
+    --------
+    >>> import geoweave as gw
+    >>> cover = gw.branched_cover(gw.smoothest_rosy(gw.shapes.torus(faces=400), degree=6))
+    >>> cover.mesh.n_faces == 6 * len(cover.part.faces)
+    True
     """
 
     rosy: RoSyField
@@ -135,8 +147,11 @@ class Cover:
         chosen = np.where(own == other, self.sheets < self.degree // 2, own < other)
         return _quotient(self, chosen, antipode)
 
-    def project(self, curves: Curves) -> Curves:
+    def project(self, curves: Curves) -> Leaves:
         """Take curves drawn on the cover to the surface below: the same lines, in the faces there.
+
+        Where the curves are level sets of a foliation of the cover, these are the leaves of N / 2 families
+        of foliations on the surface.
 
         Raises
         ------
@@ -145,7 +160,40 @@ class Cover:
         """
         if curves.mesh is not self.mesh:
             raise FieldError("the curves do not lie on the mesh of the cover that is to be projected")
-        return replace(curves, mesh=self.rosy.mesh, faces=self.faces[curves.faces])
+        return Leaves(
+            self.rosy.mesh,
+            curves.points,
+            self.faces[curves.faces],
+            curves.turning,
+            curves.sliding,
+            curves.offsets,
+            curves.closed,
+            self,
+            curves.faces,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Leaves(Curves):
+    """Curves on a surface that come from its cover, and so belong to families.
+
+    Attributes
+    ----------
+    cover : the cover they were drawn on
+    cover_faces : (P,) face of the cover that holds the segment starting at each point
+    """
+
+    cover: Cover
+    cover_faces: Indices
+
+    @cached_property
+    def families(self) -> Indices:
+        """(n,) family of each curve: the sheet, opposite sheets taken for one, of most of its length."""
+        count = family_count(self.cover.degree)
+        share = np.zeros((len(self), count))
+        family = self.cover.combed[self.cover_faces] % count
+        np.add.at(share, (self.curve_of_point, family), self.segment_lengths)
+        return frozen(np.asarray(share.argmax(axis=1), dtype=np.int64))
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,6 +293,13 @@ def branched_cover(rosy: RoSyField) -> Cover:
     ------
     MeshError
         If every face touches a branch point.
+
+    Examples
+    --------
+    >>> import geoweave as gw
+    >>> cover = gw.branched_cover(gw.smoothest_rosy(gw.shapes.sphere(faces=320), degree=4))
+    >>> cover.degree, cover.mesh.euler_characteristic == 4 * cover.part.mesh.euler_characteristic
+    (4, True)
     """
     away: Flags = ~np.any(rosy.branching[rosy.mesh.faces], axis=1)
     part = part_of(rosy.mesh, away)

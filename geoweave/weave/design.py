@@ -25,12 +25,12 @@ from geoweave.foliation import (
 from geoweave.sparse import Ordering
 from geoweave.surface import Similarity, TriMesh
 from geoweave.weave import interlacing
-from geoweave.weave.cover import Cover, branched_cover
+from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
 from geoweave.weave.ribbon_count import TRIES, nearest_scale
 from geoweave.weave.ribbons import Cutting, Ribbons, ribbons
-from geoweave.weave.weave import THINNESS, Weave, default_width, family_count, labels
+from geoweave.weave.weave import THINNESS, Design, Weave, default_width
 
-__all__ = ["MOST_CROSSINGS", "Weave", "WeaveField", "labels", "weave_field", "weave_pattern"]
+__all__ = ["MOST_CROSSINGS", "WeaveField", "weave_curves", "weave_field", "weave_pattern"]
 
 MOST_CROSSINGS = 200_000
 """A weave that would have more is refused: it is a slip of the scale, and its proof would not end."""
@@ -133,25 +133,17 @@ class WeaveField:
         else:
             made, tried = self._nearest(ribbons, cutting, tries, stages)
         stages.begin("interlacing")
-        sides = interlacing.optimal(made.ribbons.passages, time_limit)
-        stages.begin("")
-        width = default_width(made.ribbons.spacing, self.symmetry)
-        return Weave(
-            self.mesh,
-            self.placement,
-            "mesh",
-            self.symmetry,
-            made.ribbons,
-            made.families,
-            sides,
-            self.branch_points,
-            made.foliation,
-            stages.seconds,
-            made.scale,
-            tried,
-            width,
-            width / THINNESS,
+        design = Design(
+            symmetry=self.symmetry,
+            branch_points=self.branch_points,
+            foliation=made.foliation,
+            scale=made.scale,
+            tried=tried,
+            seconds=stages.seconds,
         )
+        weave = _interlaced(made.ribbons, made.families, design, self.placement, time_limit)
+        stages.begin("")
+        return weave
 
     def _made(self, scale: float, cutting: Cutting | None, stages: _Stages, more: str = "") -> _Made:
         """Go from the field to ribbons and crossings."""
@@ -173,11 +165,9 @@ class WeaveField:
             ordering=self.ordering,
         )
         stages.begin("ribbons", more)
-        cover, sheets = self.cover, self.families
-        level_sets = isolines(cover.quotient.lifted(foliation), [LEVEL])
-        found = ribbons(cover.project(level_sets), sheets, cutting)
-        families = _families(cover, level_sets.faces, level_sets.segment_lengths, level_sets.offsets, sheets)
-        return _Made(scale, foliation, found, frozen(families[found.origin]))
+        leaves = self.cover.project(isolines(self.cover.quotient.lifted(foliation), [LEVEL]))
+        found = ribbons(leaves, self.families, cutting)
+        return _Made(scale, foliation, found, frozen(leaves.families[found.origin]))
 
     def _nearest(
         self, wanted: int, cutting: Cutting | None, tries: int, stages: _Stages
@@ -233,6 +223,13 @@ def weave_field(
     ------
     FieldError
         If the symmetry is less than 3.
+
+    Examples
+    --------
+    >>> import geoweave as gw
+    >>> field = gw.weave_field(gw.shapes.torus(faces=600))
+    >>> field.expected_crossings(1.0) / field.expected_crossings(0.5)
+    4.0
     """
     if symmetry < 3:
         raise FieldError(f"a weave needs a symmetry of 3 or more, not {symmetry}")
@@ -308,6 +305,13 @@ def weave_pattern(
     FieldError
         If a parameter is out of range, both a scale and a number of ribbons are given, or nothing of the
         level sets is long enough.
+
+    Examples
+    --------
+    >>> import geoweave as gw
+    >>> weave = gw.weave_pattern(gw.shapes.torus(faces=600), scale=0.5)
+    >>> weave.interlacing.alternation > 0.8, gw.weave.violations(weave.ribbons)
+    (True, [])
     """
     _check(scale, ribbons)
     field = weave_field(mesh, symmetry=symmetry, seed=seed, callback=callback)
@@ -331,9 +335,53 @@ def _check(scale: float | None, ribbons: int | None) -> None:
         raise FieldError(f"a weave has one ribbon or more, not {ribbons}")
 
 
-def _families(cover: Cover, faces: Indices, lengths: Scalars, offsets: Indices, count: int) -> Indices:
-    """Family of each level set on the cover: the sheet, antipodes taken for one, of most of its length."""
-    of_curve = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    table = np.zeros((len(offsets) - 1, count))
-    np.add.at(table, (of_curve, cover.combed[faces] % count), lengths)
-    return np.asarray(table.argmax(axis=1), dtype=np.int64)
+def weave_curves(
+    leaves: Leaves, *, cutting: Cutting | None = None, time_limit: float = interlacing.TIME_LIMIT
+) -> Weave:
+    """Weave level sets that were projected from a branched cover: ribbons, crossings, over and under.
+
+    This is the end of Section 5.2: `weave_pattern` does the same with the level sets that it finds.
+
+    Parameters
+    ----------
+    leaves : what `Cover.project` returns
+    cutting : the numbers of the clean-up of the ribbons
+    time_limit : as for `weave_pattern`
+
+    Raises
+    ------
+    FieldError
+        If no level set is long enough.
+
+    Examples
+    --------
+    >>> import geoweave as gw
+    >>> cover = gw.branched_cover(gw.smoothest_rosy(gw.shapes.torus(faces=600), degree=6))
+    >>> half = cover.quotient                                # one of each two opposite sheets
+    >>> foliation = gw.foliate(gw.geodesic_field(half.field).field, scale=0.5)
+    >>> leaves = cover.project(gw.isolines(half.lifted(foliation)))
+    >>> weave = gw.weave_curves(leaves)
+    >>> sorted(set(weave.families.tolist())), weave.ribbons.loose.any()
+    ([0, 1, 2], np.False_)
+    """
+    rosy = leaves.cover.rosy
+    found = ribbons(leaves, family_count(rosy.degree), cutting)
+    design = Design(symmetry=rosy.degree, branch_points=frozen(rosy.branch_points))
+    where = Similarity(np.zeros(3), 1.0)
+    return _interlaced(found, frozen(leaves.families[found.origin]), design, where, time_limit)
+
+
+def _interlaced(
+    found: Ribbons, families: Indices, design: Design, placement: Similarity, time_limit: float
+) -> Weave:
+    """Choose over and under, and the width that is usual at this spacing."""
+    width = default_width(found.spacing, design.symmetry)
+    return Weave(
+        ribbons=found,
+        families=families,
+        interlacing=interlacing.optimal(found.passages, time_limit),
+        width=width,
+        thickness=width / THINNESS,
+        design=design,
+        placement=placement,
+    )

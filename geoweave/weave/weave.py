@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import Any, Literal, TypeAlias
 
@@ -15,11 +15,12 @@ from geoweave.errors import FieldError
 from geoweave.files import replacing
 from geoweave.foliation import Foliation
 from geoweave.surface import Similarity, TriMesh
+from geoweave.weave.cover import family_count
 from geoweave.weave.interlacing import Interlacing, greedy
 from geoweave.weave.passages import Passages
 from geoweave.weave.ribbons import Ribbons
 
-__all__ = ["WEAVE_FORMAT", "WEAVE_VERSION", "Units", "Weave", "default_width", "family_count", "labels"]
+__all__ = ["WEAVE_FORMAT", "WEAVE_VERSION", "Design", "Units", "Weave", "default_width", "labels"]
 
 WEAVE_FORMAT, WEAVE_VERSION = "geoweave-weave", 1
 """What the first lines of ``weave.json`` say."""
@@ -34,17 +35,35 @@ THINNESS = 20.0
 """Width over thickness of ribbons whose thickness is not given, as of the cone in the paper's Fig. 25."""
 
 
-def family_count(symmetry: int) -> int:
-    """Families of ribbons of an N-RoSy: two opposite vectors share one."""
-    return symmetry // 2 if symmetry % 2 == 0 else symmetry
-
-
 def default_width(spacing: float, symmetry: int) -> float:
     """Width ``0.9 d / families`` of ribbons d apart; at d / 3 a flat triaxial weave has no triangles left."""
     return COVERED * spacing / family_count(symmetry)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Design:
+    """What the ribbons of a weave come from.
+
+    Attributes
+    ----------
+    symmetry : N of the RoSy; ribbons come in N / 2 families (N for odd N)
+    branch_points : vertices of the surface at which families are permuted
+    foliation : theta and s on the surface they were solved on, half of the cover for even N; nothing where
+        the weave was made of given curves
+    scale : factor on the number of ribbons
+    tried : the scales that were tried for a number of ribbons, and how many ribbons each gave
+    seconds : wall-clock seconds of each stage
+    """
+
+    symmetry: int
+    branch_points: Indices
+    foliation: Foliation | None = None
+    scale: float = 1.0
+    tried: tuple[tuple[float, int], ...] = ()
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Weave:
     """Ribbons on a surface, which cross over and under each other.
 
@@ -52,35 +71,50 @@ class Weave:
 
     Attributes
     ----------
-    mesh : the surface, at bounding radius 1
-    placement : how it got there from the position and size in which the weave is written
-    units : of the position and size in which it is written
-    symmetry : N of the RoSy; ribbons come in N / 2 families (N for odd N)
     ribbons : centrelines and crossings
     families : (n,) family of each ribbon, that of most of its length: across a branch cut families change
     interlacing : which ribbon lies over at each crossing
-    branch_points : vertices of the surface at which families are permuted
-    foliation : theta and s on the surface it was solved on, half of the cover for even N
-    seconds : wall-clock seconds of each stage
-    scale : factor on the number of ribbons
-    tried : the scales that were tried for a number of ribbons, and how many ribbons each gave
     width, thickness : of a ribbon
+    design : what the ribbons come from
+    placement : how the surface got where it is from the position and size in which the weave is written
+    units : of the position and size in which it is written
+
+    Examples
+    --------
+    >>> import geoweave as gw
+    >>> weave = gw.weave_pattern(gw.shapes.torus(faces=600), scale=0.5).sized(200.0)
+    >>> weave.units, len(weave.ribbons) == len(weave.names)
+    ('mm', True)
     """
 
-    mesh: TriMesh
-    placement: Similarity
-    units: Units
-    symmetry: int
     ribbons: Ribbons
     families: Indices
     interlacing: Interlacing
-    branch_points: Indices
-    foliation: Foliation
-    seconds: dict[str, float]
-    scale: float
-    tried: tuple[tuple[float, int], ...]
     width: float
     thickness: float
+    design: Design
+    placement: Similarity
+    units: Units = "mesh"
+
+    @property
+    def mesh(self) -> TriMesh:
+        """The surface, on which the ribbons lie."""
+        return self.ribbons.curves.mesh
+
+    @property
+    def symmetry(self) -> int:
+        """N of the RoSy."""
+        return self.design.symmetry
+
+    @property
+    def branch_points(self) -> Indices:
+        """Vertices of the surface at which families are permuted."""
+        return self.design.branch_points
+
+    @property
+    def scale(self) -> float:
+        """Factor on the number of ribbons."""
+        return self.design.scale
 
     def sized(
         self, size: float | None = None, width: float | None = None, thickness: float | None = None
@@ -132,7 +166,7 @@ class Weave:
     def metrics(self) -> dict[str, Any]:
         """What a maker wants to know, in `units`; metres of ribbon too where these are millimetres."""
         curves, met = self.ribbons.curves, self.ribbons.crossings
-        unit, angle, aligned = self.placement.scale, self.crossing_angles, self.foliation.alignment
+        unit, angle = self.placement.scale, self.crossing_angles
         bending = np.abs(geodesic_curvature(curves)) / unit
         order = np.argsort(bending)
         share = np.cumsum(curves.segment_lengths[order])
@@ -156,8 +190,7 @@ class Weave:
                 "out_of_time": self.interlacing.out_of_time,
                 "greedy_fraction": greedy(self.passages).alternation,
             },
-            "deviation_deg": {"median": aligned.median, "p95": aligned.p95},
-            "dislocations": aligned.dislocations,
+            **self._of_the_foliation(),
             "interleaved_triples": {
                 "count": self.interlacing.interleaved,
                 "of": self.interlacing.triples,
@@ -167,6 +200,16 @@ class Weave:
                 "mean": float(np.average(bending, weights=curves.segment_lengths)),
                 "p95": float(p95),
             },
+        }
+
+    def _of_the_foliation(self) -> dict[str, Any]:
+        """How well level sets follow the field, where the weave was made of a foliation."""
+        if self.design.foliation is None:
+            return {}
+        aligned = self.design.foliation.alignment
+        return {
+            "deviation_deg": {"median": aligned.median, "p95": aligned.p95},
+            "dislocations": aligned.dislocations,
         }
 
     def document(self) -> dict[str, Any]:

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 from geoweave.errors import FieldError
+from geoweave.foliation.level_sets import isolines
 from geoweave.models import shapes
 from geoweave.surface.mesh import TriMesh
-from geoweave.weave.design import Weave, WeaveField, weave_field, weave_pattern
+from geoweave.weave.design import WeaveField, weave_curves, weave_field, weave_pattern
+from geoweave.weave.weave import Weave
 
 
 def surface() -> TriMesh:
@@ -92,10 +94,10 @@ def test_a_smaller_scale_gives_fewer_ribbons_from_the_same_field() -> None:
 def test_a_number_of_ribbons_is_met_or_the_nearest_is_taken() -> None:
     wanted = len(pattern().ribbons) // 2
     found = directions().pattern(ribbons=wanted, tries=5)
-    assert 1 <= len(found.tried) <= 5
-    misses = [abs(count - wanted) for _, count in found.tried if count]
+    assert 1 <= len(found.design.tried) <= 5
+    misses = [abs(count - wanted) for _, count in found.design.tried if count]
     assert abs(len(found.ribbons) - wanted) == min(misses) <= 4
-    assert dict(found.tried)[found.scale] == len(found.ribbons)
+    assert dict(found.design.tried)[found.scale] == len(found.ribbons)
     # what it says it did can be asked for
     again = directions().pattern(scale=found.scale)
     np.testing.assert_array_equal(again.ribbons.curves.points, found.ribbons.curves.points)
@@ -122,3 +124,19 @@ def test_limits() -> None:
         weave_pattern(surface(), scale=-1.0)
     with pytest.raises(FieldError, match="one ribbon or more, not 0"):
         weave_pattern(surface(), ribbons=0)
+
+
+def test_given_leaves_become_the_weave_that_the_one_call_makes() -> None:
+    """The same field, foliation and level sets, step by step: the same ribbons, over and under."""
+    field = directions()
+    foliation = pattern().design.foliation
+    assert foliation is not None
+    leaves = field.cover.project(isolines(field.cover.quotient.lifted(foliation)))
+    weave = weave_curves(leaves)
+    np.testing.assert_array_equal(weave.ribbons.curves.points, pattern().ribbons.curves.points)
+    np.testing.assert_array_equal(weave.interlacing.over, pattern().interlacing.over)
+    np.testing.assert_array_equal(weave.families, pattern().families)
+    assert (weave.width, weave.symmetry, weave.units) == (pattern().width, 6, "mesh")
+    assert weave.mesh is field.mesh
+    assert "deviation_deg" not in weave.metrics()
+    assert weave.document()["ribbons"][0]["label"] == pattern().names[0]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from itertools import chain
 
 import numpy as np
 import pytest
 
 from geoweave.curves.curve_crossings import crossings
+from geoweave.curves.curves import Curves
 from geoweave.curves.straightest_geodesics import straightest
 from geoweave.errors import FieldError
 from geoweave.models import shapes
@@ -54,7 +56,6 @@ def laid(
     ribbons = Ribbons(curves, crossings(curves), np.arange(len(lines)), SPACING, Cutting())
     return replace(
         made(),
-        mesh=mesh,
         placement=Similarity(np.zeros(3), unit),
         ribbons=ribbons,
         families=np.zeros(len(lines), dtype=np.int64),
@@ -140,20 +141,12 @@ def test_both_sides_of_a_thin_wall_do_not_see_each_other() -> None:
     )
     given = laid([(0, 0.0, 0.02), (90, 0.3, 0.0), (0, 0.0, 0.4)])
     curves = replace(given.ribbons.curves, mesh=both)
-    weave = replace(given, mesh=both, ribbons=replace(given.ribbons, curves=curves))
+    weave = replace(given, ribbons=replace(given.ribbons, curves=curves))
     (bare,) = of_kind(inspected(weave), "bare_component")
     assert bare.value == pytest.approx(4.0)
     assert bare.point[2] == pytest.approx(-0.001)
     twin = replace(curves, points=curves.points - [0, 0, 0.001], faces=curves.faces + mesh.n_faces)
-    two = replace(
-        curves,
-        points=np.concatenate([curves.points, twin.points]),
-        faces=np.concatenate([curves.faces, twin.faces]),
-        turning=np.concatenate([curves.turning] * 2),
-        sliding=np.concatenate([curves.sliding] * 2),
-        offsets=np.concatenate([curves.offsets, curves.offsets[1:] + len(curves.points)]),
-        closed=np.concatenate([curves.closed] * 2),
-    )
+    two = Curves.concatenate(both, chain(curves, twin))
     ribbons = Ribbons(two, crossings(two), np.arange(6), SPACING, Cutting())
     on_both = replace(
         weave,

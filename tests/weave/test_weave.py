@@ -10,8 +10,9 @@ import pytest
 from geoweave.errors import FieldError
 from geoweave.models import shapes
 from geoweave.surface.mesh import TriMesh
+from geoweave.weave.cover import family_count
 from geoweave.weave.design import weave_pattern
-from geoweave.weave.weave import Weave, default_width, family_count, labels
+from geoweave.weave.weave import Weave, default_width, labels
 
 
 @cache
