@@ -1,8 +1,8 @@
-"""Where files of the artifact are written, the figures folder of a profile; which version this is.
+"""Where the package and its checkout lie, which version this is, and where figures are written.
 
-The folder is named by the environment variable ``GEOWEAVE_FIGURES``, which the notebook runner sets for
-every kernel it starts (``make test`` names a folder under ``build/``, so that no committed file changes).
-A notebook run by hand has no such variable and writes to ``figures/`` of the checkout it lives in.
+The environment variable ``GEOWEAVE_FIGURES`` names the folder for figures. ``geoweave figures`` sets it for
+the notebooks that it executes; ``make test`` names a folder under ``build/``, so that no committed file
+changes. A notebook that is run by hand has no such variable and writes to ``figures/`` of its checkout.
 """
 
 import os
@@ -24,7 +24,7 @@ def repository() -> Path:
     Raises
     ------
     GeoweaveError
-        if neither the working directory nor the package lies inside a checkout of geoweave.
+        If neither the working directory nor the package lies inside a checkout of geoweave.
     """
     here = Path.cwd().resolve()
     for folder in (here, *here.parents, PACKAGE.parent):
@@ -58,7 +58,16 @@ def figures_folder(profile: str = "default") -> Path:
     Raises
     ------
     GeoweaveError
-        if the profile's name is no plain word, or no base folder can be found.
+        If the profile's name is no plain word, or no base folder can be found.
+
+    Examples
+    --------
+    >>> from geoweave.checkout import figures_folder
+    >>> figures_folder("paper") == figures_folder() / "paper"
+    True
+    >>> figures_folder("../outside")
+    Traceback (most recent call last):
+    geoweave.errors.GeoweaveError: '../outside' is no name of a profile: use default or paper
     """
     if not profile.isidentifier():
         raise GeoweaveError(f"'{profile}' is no name of a profile: use default or paper")

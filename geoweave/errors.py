@@ -1,10 +1,22 @@
-"""The errors that carry a sentence for the person at the keyboard."""
+"""Errors that the caller can put right: each text is a sentence that names the place and the remedy.
+
+The command prints it and ends with exit status 2. Any other exception is a fault of geoweave.
+"""
 
 from __future__ import annotations
 
 
 class GeoweaveError(Exception):
-    """Something the caller can put right; its text names the place and the remedy."""
+    """Something the caller can put right; its text names the place and the remedy.
+
+    Examples
+    --------
+    >>> gw.read_mesh("nothing.obj")
+    Traceback (most recent call last):
+    geoweave.errors.MeshError: nothing.obj: ...
+    >>> issubclass(gw.MeshError, gw.GeoweaveError)
+    True
+    """
 
 
 class MeshError(GeoweaveError):

@@ -25,6 +25,9 @@ __all__ = [
 ]
 
 
+LONGEST_STEM = 80
+"""Letters of a file's name that its temporary name begins with; a name may have 255 bytes."""
+
 Job = Callable[[Path], object]
 """Writes a file to the path that it is given."""
 
@@ -44,12 +47,23 @@ def replacing(path: str | PathLike[str]) -> Iterator[Path]:
     ------
     OutputError
         If the folder is missing or not writable, ``path`` is a folder, or the disk is full.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from geoweave.files import replacing
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     with replacing(f"{folder}/out.txt") as temporary:
+    ...         _ = temporary.write_text("whole")
+    ...         early = os.path.exists(f"{folder}/out.txt")
+    ...     early, os.listdir(folder)
+    (False, ['out.txt'])
     """
     target = Path(path)
     check_writable(target)
     # through a link, so that the link stays and the file it points to is replaced
     final = target.resolve() if target.is_symlink() else target
-    temporary = final.with_name(f".{final.stem[:80]}.{secrets.token_hex(4)}{final.suffix}")
+    temporary = final.with_name(f".{final.stem[:LONGEST_STEM]}.{secrets.token_hex(4)}{final.suffix}")
     try:
         yield temporary
         _keep_permissions(final, temporary)

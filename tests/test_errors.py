@@ -11,12 +11,14 @@ PACKAGE = Path(geoweave.__file__).parent
 
 
 def test_errors_of_the_package_descend_from_one() -> None:
-    modules = [f"geoweave.{path.stem}" for path in PACKAGE.glob("*.py") if not path.stem.startswith("__")]
+    paths = [path.relative_to(PACKAGE.parent).with_suffix("") for path in PACKAGE.rglob("*.py")]
+    modules = [".".join(path.parts) for path in paths if not path.stem.startswith("__")]
     own = {
         kind
         for module in modules
         for _, kind in inspect.getmembers(importlib.import_module(module), inspect.isclass)
         if issubclass(kind, Exception) and kind.__module__.startswith("geoweave")
     }
-    assert {"MeshError", "FieldError", "DataError", "RenderError"} <= {kind.__name__ for kind in own}
+    names = {kind.__name__ for kind in own}
+    assert {"MeshError", "FieldError", "DataError", "RenderError", "OutputError", "PoolError"} <= names
     assert all(issubclass(kind, GeoweaveError) and kind.__doc__ for kind in own)

@@ -1,8 +1,8 @@
-"""One weave after another over many meshes, resumably, and a table of them (Section 6).
+"""Weaves of many meshes, and a table of them (Section 6). An interrupted sweep goes on where it stopped.
 
-A mesh is woven into a folder beside its own, from which only whole files are moved. What is moved last is
-``sweep.json``: the digest of everything that the weave depends on, and the sha256 of every file. A mesh is
-woven again exactly when that digest or a file is another one: an interrupted sweep goes on where it stopped.
+Each mesh is woven into a temporary folder, and its files are then moved to a folder of their own. The file
+that is moved last is ``sweep.json``. It holds the digest of all that the weave depends on and the sha256 of
+every file. A mesh is woven again if that digest has changed, or one of its files has.
 """
 
 from __future__ import annotations
@@ -34,14 +34,22 @@ from geoweave.pipeline.workers import on_cluster, on_this_machine
 __all__ = ["Job", "folder_names", "jobs_of", "sweep", "weave_one"]
 
 RECORD = "sweep.json"
+"""Name of the record that says, in the folder of a mesh, what it was woven from."""
+
+FORMAT, VERSION = "geoweave-sweep", 1
+"""What a record says that it is."""
+
 UNRELATED = frozenset({"viz"})
-"""Sub-packages that change no weave."""
+"""Rooms that change no weave."""
 
 LEFTOVER = ".weaving-"
-"""How folders begin in which work is under way."""
+"""How the names of folders begin in which work is under way."""
+
+LEFTOVER_AGE = 86_400.0
+"""Seconds after which such a folder is taken for one of a sweep that was killed."""
 
 _ALONE = threading.Lock()
-"""A process weaves one mesh at a time: reading a file quietly is nothing for two threads."""
+"""A process weaves one mesh at a time: while a file is read, warnings of the whole process are held back."""
 
 
 @dataclass(frozen=True)
@@ -56,11 +64,11 @@ class Job:
     key: str
     """Digest of everything that the weave depends on."""
     code: str
-    """Digest of the package's source, which the program must have that does it; "" on this machine."""
+    """Digest of the package's source, which a worker elsewhere must have too; "" on this machine."""
     name: str
-    """Of its folder."""
+    """Name of its folder."""
     folder: str
-    """To work in, with its whole path."""
+    """Whole path of the temporary folder that it is woven into."""
 
 
 def sweep(
@@ -149,7 +157,7 @@ def _rows(
 
 
 def weave_one(job: Job) -> dict[str, Any]:
-    """Weave one mesh into its folder to work in, in whatever process this is.
+    """Weave one mesh into its temporary folder, in the process that this is called in.
 
     Returns
     -------
@@ -301,8 +309,8 @@ def _settled(job: Job, outcome: Mapping[str, Any], folder: Path) -> Row:
         for name in files:
             os.replace(made / name, target / name)
         record = {
-            "format": "geoweave-sweep",
-            "version": 1,
+            "format": FORMAT,
+            "version": VERSION,
             "key": job.key,
             "files": files,
             "result": outcome["result"],
@@ -327,5 +335,5 @@ def _drop_leftovers(folder: Path) -> None:
     """Remove the folders to work in that a killed sweep left behind more than a day ago."""
     for path in folder.glob(f"{LEFTOVER}*"):
         with suppress(OSError):  # another sweep may have removed its own by now
-            if time.time() - path.stat().st_mtime > 86_400:
+            if time.time() - path.stat().st_mtime > LEFTOVER_AGE:
                 shutil.rmtree(path, ignore_errors=True)

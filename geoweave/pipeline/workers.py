@@ -1,6 +1,6 @@
-"""Work on many things at a time: in processes here (joblib's loky), or on a Dask cluster that is there.
+"""Work on many things at a time: in processes of this machine (joblib's loky), or on a Dask cluster.
 
-What dies with its process, for want of memory or by a fault in compiled code, takes nothing else with it.
+A process may die, for want of memory or of a fault in compiled code. Then only what it was working on fails.
 """
 
 from __future__ import annotations
@@ -20,10 +20,13 @@ __all__ = ["Ended", "PoolError", "check_dask", "on_cluster", "on_this_machine"]
 CONNECTING, WORKERS = 20.0, 60.0
 """Seconds in which a scheduler must answer, and in which it must have a worker."""
 
+STARTING, BETWEEN = 10.0, 0.002
+"""Seconds that work may take to reach a process before the pool is shut down, and between two looks at it."""
+
 DIED = "its process died, perhaps for want of memory"
 
 THREADS = tuple(f"{name}_NUM_THREADS" for name in ("MKL", "NUMBA", "OMP", "OPENBLAS"))
-"""Set to 1: processes share the cores, and sums come out in the same order every time."""
+"""Set to 1: the processes share the cores, and one thread adds in the same order every time."""
 
 Item = TypeVar("Item")
 
@@ -99,9 +102,9 @@ def _processes(count: int) -> Iterator[Callable[[Callable[[Item], Any], Item], F
         yield start
     finally:
         # The pool stumbles over work that is on its way to a process when it is shut down.
-        until = time.monotonic() + 10.0
+        until = time.monotonic() + STARTING
         while time.monotonic() < until and not all(f.running() or f.done() for f in started[-count:]):
-            time.sleep(0.002)
+            time.sleep(BETWEEN)
         pool.shutdown(wait=True, kill_workers=True)
 
 
