@@ -24,6 +24,17 @@ class FaceField:
     ----------
     mesh : the surface
     values : (F,) complex128, read-only; multiply by 1j for a counter-clockwise quarter turn
+
+    See Also
+    --------
+    RoSyField : N vectors on every face
+
+    Examples
+    --------
+    >>> disk = gw.shapes.disk(faces=200)
+    >>> field = gw.FaceField.from_ambient(disk, np.tile([3.0, 4.0, 0.0], (disk.n_faces, 1)))
+    >>> field.norms.min().round(9), field.normalized().ambient[0].round(9)
+    (np.float64(5.0), array([0.6, 0.8, 0. ]))
     """
 
     mesh: TriMesh
@@ -71,7 +82,14 @@ def unit(values: Complexes) -> Complexes:
 
 
 def random_field(mesh: TriMesh, seed: int | np.random.Generator = 0) -> FaceField:
-    """Draw a unit vector on every face, uniformly and independently."""
+    """Draw a unit vector on every face, uniformly and independently.
+
+    Examples
+    --------
+    >>> field = gw.random_field(gw.shapes.torus(faces=400), seed=1)
+    >>> bool(np.allclose(field.norms, 1.0))
+    True
+    """
     angle = np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi, mesh.n_faces)
     return FaceField(mesh, np.exp(1j * angle))
 
@@ -83,6 +101,17 @@ def edge_curl(field: FaceField) -> Scalars:
     -------
     (E_int,) zero everywhere exactly when the field is locally a gradient; unit: length x field.
     The value does not depend on which of the two faces is called i.
+
+    See Also
+    --------
+    signed_curl : one number per face
+
+    Examples
+    --------
+    >>> disk = gw.shapes.disk(faces=200)
+    >>> constant = gw.FaceField.from_ambient(disk, np.tile([1.0, 0.0, 0.0], (disk.n_faces, 1)))
+    >>> bool(abs(gw.edge_curl(constant)).max() < 1e-12)
+    True
     """
     mesh = field.mesh
     projected = (field.values[:, None].conj() * mesh.halfedge_vectors).real.ravel()
@@ -96,6 +125,16 @@ def integrated_curl(field: FaceField) -> Scalars:
     Returns
     -------
     (F,) unit: length x field. Boundary edges have no neighbour and are skipped.
+
+    See Also
+    --------
+    signed_curl : the same over the area of the face
+
+    Examples
+    --------
+    >>> field = gw.random_field(gw.shapes.torus(faces=400))
+    >>> bool(abs(gw.integrated_curl(field).sum() - 2 * gw.edge_curl(field).sum()) < 1e-9)
+    True
     """
     mesh = field.mesh
     jump = edge_curl(field)
@@ -106,7 +145,22 @@ def integrated_curl(field: FaceField) -> Scalars:
 
 
 def signed_curl(field: FaceField) -> Scalars:
-    """Curl of each face, ``(1 / A_i) sum over j of (w_j - w_i) . e_ij`` (Appendix B.1), field / length."""
+    """Curl of each face, ``(1 / A_i) sum over j of (w_j - w_i) . e_ij`` (Appendix B.1), field / length.
+
+    Every jump counts for the faces on both sides, so it is twice the curl of a smooth field.
+
+    See Also
+    --------
+    integrated_curl : the same times the area, so that it sums over faces
+    edge_curl : the jump over each edge
+
+    Examples
+    --------
+    >>> disk = gw.shapes.disk(faces=2000)
+    >>> whirl = gw.FaceField.from_ambient(disk, np.cross([0.0, 0.0, 1.0], disk.barycenters))
+    >>> round(float(np.median(gw.signed_curl(whirl))), 1)  # of (-y, x), whose curl is 2
+    4.0
+    """
     return integrated_curl(field) / field.mesh.face_areas
 
 
@@ -114,6 +168,12 @@ def total_curl(field: FaceField) -> float:
     """Integral of |curl| over the surface (Appendix B.1): the number of Table 1.
 
     It is a length, and it depends on the resolution: compare values on the same mesh only.
+
+    Examples
+    --------
+    >>> start = gw.smoothest_field(gw.shapes.genus_g(2, faces=600))
+    >>> gw.total_curl(gw.geodesic_field(start).field) < 0.7 * gw.total_curl(start)
+    True
     """
     return float(np.abs(integrated_curl(field)).sum())
 
@@ -126,6 +186,14 @@ class Handles:
     ----------
     faces : (H,) int64, distinct
     values : (H,) complex unit vectors in the frames of those faces
+
+    Examples
+    --------
+    >>> torus = gw.shapes.torus(faces=400)
+    >>> upward = gw.Handles.from_ambient(torus, [0], torus.face_normals[:1] + torus.frames[:1, 1])
+    >>> solve = gw.geodesic_field(gw.smoothest_field(torus), handles=upward)
+    >>> solve.field.ambient[0].round(6) == torus.frames[0, 1].round(6)
+    array([ True,  True,  True])
     """
 
     faces: Indices

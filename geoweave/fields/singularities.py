@@ -50,6 +50,18 @@ def vertex_indices(field: FaceField) -> Indices:
     Returns
     -------
     (V,) int64, zero on boundary vertices
+
+    See Also
+    --------
+    singular_vertices : where the index is not zero
+    index_sum : the sum, with the boundary's part
+
+    Examples
+    --------
+    >>> sphere = gw.shapes.sphere(faces=320)
+    >>> vortex = gw.FaceField.from_ambient(sphere, np.cross([0.0, 0.3, 1.0], sphere.barycenters))
+    >>> int(gw.vertex_indices(vortex).sum())
+    2
     """
     indices = np.rint(windings(field.mesh, rotation_across(field))).astype(np.int64)
     indices[field.mesh.boundary_vertices] = 0
@@ -72,12 +84,29 @@ def boundary_indices(field: FaceField) -> Indices:
 
 
 def index_sum(field: FaceField) -> int:
-    """Sum of all indices, boundary loops included: the Euler characteristic (Poincaré and Hopf)."""
+    """Sum of all indices, boundary loops included: the Euler characteristic (Poincaré and Hopf).
+
+    Examples
+    --------
+    >>> surface = gw.shapes.genus_g(2, faces=600)
+    >>> gw.index_sum(gw.random_field(surface)), surface.euler_characteristic
+    (-2, -2)
+    """
     return int(vertex_indices(field).sum() + boundary_indices(field).sum())
 
 
 def singular_vertices(field: FaceField) -> Indices:
-    """Vertices of index other than zero."""
+    """Vertices of index other than zero.
+
+    See Also
+    --------
+    vertex_indices : the index at every vertex
+
+    Examples
+    --------
+    >>> len(gw.singular_vertices(gw.smoothest_field(gw.shapes.torus(faces=400))))
+    0
+    """
     return frozen(np.flatnonzero(vertex_indices(field)))
 
 
@@ -92,6 +121,14 @@ def circulation(field: FaceField, vertices: Indices, *, rings: int = 2) -> Scala
     Returns
     -------
     (len(vertices),) between -1 and 1 for a unit field
+
+    Examples
+    --------
+    >>> disk = gw.shapes.disk(faces=2000)
+    >>> whirl = gw.FaceField.from_ambient(disk, np.cross([0.0, 0.0, 1.0], disk.barycenters)).normalized()
+    >>> centre = np.linalg.norm(disk.vertices, axis=1).argmin()
+    >>> gw.circulation(whirl, np.array([centre])).round(1)
+    array([1.])
     """
     mesh = field.mesh
     corners = sparse.csr_array(

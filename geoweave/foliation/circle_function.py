@@ -45,6 +45,14 @@ class CircleFunction:
     FieldError
         If the shapes do not fit, or the change along an edge differs from that of its ends by more than
         rounding and full turns.
+
+    Examples
+    --------
+    >>> ring = gw.shapes.annulus(faces=300)
+    >>> angle = np.arctan2(ring.vertices[:, 1], ring.vertices[:, 0])
+    >>> circle = gw.CircleFunction.nearest(ring, 5 * angle, np.zeros(ring.n_edges))
+    >>> [abs(round(circle.periods(loop))) for loop in ring.boundary_loops], int(circle.dislocated.sum())
+    ([5, 5], 0)
     """
 
     mesh: TriMesh

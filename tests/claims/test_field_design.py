@@ -7,6 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy import sparse
+from scipy.sparse.linalg import eigsh, lsqr
 
 from geoweave.comparisons.domains import ordered_domains
 from geoweave.curves.tracing import streamlines
@@ -19,7 +21,7 @@ from geoweave.fields.face_field import (
     total_curl,
 )
 from geoweave.fields.geodesic import ClosedProjection, GeodesicSolve, geodesic_field, ordering_of
-from geoweave.fields.operators import ClosedFields, dirichlet_energy
+from geoweave.fields.operators import ClosedFields, as_real, curl, dirichlet_energy
 from geoweave.fields.rosy import smoothest_eigenfield, smoothest_field
 from geoweave.fields.singularities import rotation_across, singular_vertices
 from geoweave.models import catalogue, shapes
@@ -52,16 +54,17 @@ def test_the_curl_condition_with_unit_vectors_leaves_two_choices_on_a_neighbour(
     """Section 4.1: "a unit vector on one face eliminates all but two choices of unit vector on each
     neighbouring face"."""
     mesh = scan()
-    field = random_field(mesh, 0)
     i, j = mesh.edge_faces[mesh.interior_edges].T
-    edge = mesh.edge_vectors[mesh.interior_edges] / mesh.edge_lengths[mesh.interior_edges, None]
-    wanted = np.einsum("ex,ex->e", field.ambient[i], edge)
+    # Row ij of C is the condition. The vector on face i is given, that on face j turns once round.
+    operator, w = curl(mesh), random_field(mesh, 0).values
+    count = np.arange(len(i))
+    on_i, on_j = (operator[count[:, None], 2 * face[:, None] + [0, 1]].toarray() for face in (i, j))
+    there = (on_i * np.stack([w[i].real, w[i].imag], axis=1)).sum(axis=1)
     steps = np.linspace(0, 2 * np.pi, 721)
-    along = np.einsum("ex,eax->ea", edge, mesh.frames[j]) @ np.array([1, 1j])
-    misses = np.cos(steps[:, None] - np.angle(along)) - wanted
-    choices = (misses[:-1] * misses[1:] < 0).sum(axis=0)
-    # Where the wanted projection is nearly the whole vector, the two lie within one step of the scan.
-    clear = np.abs(wanted) < 0.99
+    misses = there[:, None] + on_j @ np.stack([np.cos(steps), np.sin(steps)])
+    choices = (misses[:, :-1] * misses[:, 1:] < 0).sum(axis=1)
+    # Where the edge takes nearly the whole vector, the two lie within one step of the scan.
+    clear = np.abs(there) < 0.99 * mesh.edge_lengths[mesh.interior_edges]
     assert clear.mean() > 0.85
     np.testing.assert_array_equal(choices[clear], 2)
 
@@ -71,8 +74,19 @@ def test_unit_and_curl_free_has_more_conditions_than_unknowns(name):
     """Section 4.1: "the vector on each face is parameterized by an angle, but constrained across each
     edge"."""
     mesh = catalogue.load(name)
+    w = random_field(mesh, 0)
+    # How each condition changes with each angle: turning w_i by an angle adds i w_i times it.
+    rows, faces = np.arange(2 * mesh.n_faces), np.repeat(np.arange(mesh.n_faces), 2)
+    turned = sparse.csr_array((as_real(1j * w.values), (rows, faces)), shape=(2 * mesh.n_faces, mesh.n_faces))
+    change = (curl(mesh) @ turned).tocsc()
+    # Every angle is already fixed by the conditions, to first order: no combination leaves them unchanged...
+    least = np.sqrt(eigsh((change.T @ change).tocsc(), k=1, sigma=0, return_eigenvectors=False)[0])
+    assert least > 1e-6 * abs(change).max()
+    # ... and half as many conditions again are left over, which no choice of angles meets.
     angles, conditions = mesh.n_faces, len(mesh.interior_edges)
+    left = edge_curl(w) + change @ lsqr(change, -edge_curl(w), atol=1e-10, btol=1e-10)[0]
     assert conditions > 1.45 * angles
+    assert np.linalg.norm(left) > 0.1 * np.linalg.norm(edge_curl(w))
     # And no start finds a field that meets them all: some delta is always left.
     for start in (smoothest_field(mesh), random_field(mesh, 0)):
         solve = geodesic_field(start, smoothness=[0.0], iterations=20)

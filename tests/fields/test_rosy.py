@@ -4,6 +4,8 @@ from itertools import permutations
 
 import numpy as np
 import pytest
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
 from surfaces import ALL, surface
 
 from geoweave.errors import FieldError
@@ -96,15 +98,34 @@ def test_scale_does_not_matter(factor):
     np.testing.assert_allclose(field.values, smoothest_field(mesh).values, atol=1e-6)
 
 
-def test_diffused_field_is_smooth_and_stands_still():
-    """Table 1's start: Eq. 5 without the curl constraint, qualitatively like the global optimum."""
-    mesh = surface("jagged sphere")
-    field = diffused_field(mesh)
+@pytest.mark.parametrize("name", ["jagged sphere", "torus", "genus 5"])
+def test_diffused_field_is_like_the_smoothest(name):
+    """Section 4.1.3: Eq. 5 without the curl constraint gives fields "qualitatively similar" to the global
+    optimum: as smooth, to 5 %, and with as many singularities. A random field has 40 times the energy, one
+    step of the flow leaves twice the energy."""
+    mesh = surface(name)
+    field, smoothest = diffused_field(mesh), smoothest_field(mesh)
     np.testing.assert_allclose(field.norms, 1)
-    smoothest = dirichlet_energy(mesh, smoothest_field(mesh).values)
-    assert dirichlet_energy(mesh, field.values) < 1.5 * smoothest
-    again = diffused_field(mesh, iterations=2000)
-    np.testing.assert_allclose(again.values, field.values, atol=1e-3)
+    least = dirichlet_energy(mesh, smoothest.values)
+    assert dirichlet_energy(mesh, field.values) < 1.05 * least
+    assert dirichlet_energy(mesh, diffused_field(mesh, iterations=1).values) > 1.5 * least
+    assert len(singular_vertices(field)) == len(singular_vertices(smoothest))
+
+
+def test_diffused_field_on_a_torus_is_the_smoothest_but_for_a_rotation():
+    mesh = surface("torus")
+    turn = diffused_field(mesh).values / smoothest_field(mesh).values
+    np.testing.assert_allclose(turn, turn[0], atol=1e-3)
+
+
+def test_diffused_field_stands_still():
+    """One more step of the flow does not move it."""
+    mesh, smoothness = surface("jagged sphere"), 0.3
+    w = diffused_field(mesh, smoothness).values
+    system = sparse.diags_array(mesh.face_areas) + smoothness * connection_laplacian(mesh)
+    v = spsolve(system.tocsc(), mesh.face_areas * w)
+    change = np.average(np.abs(v / np.abs(v) - w) ** 2, weights=mesh.face_areas)
+    assert np.sqrt(change) < 2e-6  # the tolerance is 1e-6
 
 
 def index_sum(rosy: RoSyField) -> int:
