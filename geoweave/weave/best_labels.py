@@ -9,34 +9,27 @@ Mahjoub 1986; Guenin 2001), so that cutting planes alone find and prove the opti
 
 from __future__ import annotations
 
-import heapq
 import time
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
-from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
-from geoweave.compiled import compiled
 from geoweave.errors import GeoweaveError
+from geoweave.weave.odd_cycles import EQUAL, DoubledGraph, Graph, adjacency
 
 __all__ = ["EFFORT", "Labelling", "best_labels"]
 
 EFFORT = 50_000
 """Searches for odd cycles, and rows of programs solved, that a proof may take: seconds for 4,000 edges."""
 
-_SMALL = 1e-6
-"""Sums that are as good as equal."""
 _ROUNDING = 1e-4
 """What a bound from a program may owe to its tolerances; taken off before it is rounded up."""
 _SHORT = 1e-5
 """Added to the weight of each edge: of two odd cycles of one weight the one of fewer edges is taken."""
-_RAISED = 0.12
-"""Added to the weight of the edges of an odd cycle found, so that other cycles are found beside it."""
 _SEARCHES = 100
 """Sources searched from before the weights are looked at again."""
 _NODES = 2_000
@@ -66,17 +59,6 @@ class Labelling:
     def proven(self) -> bool:
         """Whether no labels break fewer edges than these."""
         return int(self.broken.sum()) == self.bound
-
-
-class _Graph(NamedTuple):
-    """A connected graph with an odd cycle; an edge stands for ``times`` equal ones and costs ``cost``."""
-
-    nodes: int
-    first: Indices
-    second: Indices
-    parity: Indices
-    times: Indices
-    cost: Scalars
 
 
 def best_labels(
@@ -127,7 +109,7 @@ def best_labels(
 
     proper = start != end
     labels = _labels(nodes, start[proper], end[proper], wish[proper])
-    component = csgraph.connected_components(_matrix(nodes, start, end), directed=False)[1]
+    component = csgraph.connected_components(adjacency(nodes, start, end), directed=False)[1]
     odd_components = np.unique(
         component[start[proper & ((labels[start] ^ labels[end]) != wish.astype(bool))]]
     )
@@ -147,13 +129,9 @@ def best_labels(
     return Labelling(frozen(labels), frozen(broken), bound, best, budget.used, budget.struck)
 
 
-def _matrix(nodes: int, start: Indices, end: Indices) -> sparse.csr_array:
-    return sparse.csr_array((np.ones(len(start)), (start, end)), shape=(nodes, nodes))
-
-
 def _labels(nodes: int, start: Indices, end: Indices, wish: Indices) -> Flags:
     """Labels that meet all wishes of each component where that can be, False in the others."""
-    both = _matrix(
+    both = adjacency(
         2 * nodes,
         np.concatenate([start, start + nodes]),
         np.concatenate([end + nodes * wish, end + nodes * (1 - wish)]),
@@ -164,7 +142,7 @@ def _labels(nodes: int, start: Indices, end: Indices, wish: Indices) -> Flags:
     return labels
 
 
-def _merged(nodes: int, start: Indices, end: Indices, wish: Indices, price: Indices) -> _Graph:
+def _merged(nodes: int, start: Indices, end: Indices, wish: Indices, price: Indices) -> Graph:
     """Edges of one wish between the same nodes become one."""
     low, high = np.minimum(start, end), np.maximum(start, end)
     key, group, count = np.unique((low * nodes + high) * 2 + wish, return_inverse=True, return_counts=True)
@@ -172,69 +150,7 @@ def _merged(nodes: int, start: Indices, end: Indices, wish: Indices, price: Indi
     # An optimum breaks at most as many edges as a spanning tree leaves over, so that ties sum to 1/2.
     most = (count.sum() - nodes + 1) * max(float((total / count).max()), 1.0)
     cost = count + total / (2.0 * most)
-    return _Graph(nodes, key // 2 // nodes, key // 2 % nodes, key % 2, count, cost)
-
-
-@compiled
-def _odd_walks(
-    starts: Indices, heads: Indices, edge: Indices, weight: Scalars, sources: Indices, nodes: int,
-    limit: float, raised: float,
-) -> tuple[Indices, Indices]:  # fmt: skip
-    """Lightest odd closed walks through the sources in turn, none heavier than ``limit``.
-
-    Dijkstra's method from each source. The way from the other copy of the source to a node mirrors that from
-    the source to the other copy of the node: a walk is the two ways to both copies of one node, and a search
-    needs go half as far. The weight of the edges found is ``raised`` before the next search, so that walks
-    differ.
-
-    Parameters
-    ----------
-    starts, heads, edge : neighbours of each node of the doubled graph, and the edges that lead to them
-    weight : (E,) positive; changed
-    """
-    far = np.inf
-    distance = np.full(2 * nodes, far)
-    done = np.zeros(2 * nodes, dtype=np.bool_)
-    before = np.full(2 * nodes, -1)
-    through = np.full(2 * nodes, -1)
-    touched = np.empty(2 * nodes, dtype=np.int64)
-    edges = [0 for _ in range(0)]
-    ends = [0 for _ in range(0)]
-    for source in sources:
-        distance[source] = 0.0
-        touched[0], count = source, 1
-        best, meeting = far, -1
-        heap = [(0.0, source)]
-        while heap:
-            so_far, node = heapq.heappop(heap)
-            if 2.0 * so_far >= min(best, limit):
-                break
-            if done[node]:
-                continue
-            done[node] = True
-            for k in range(starts[node], starts[node + 1]):
-                head = heads[k]
-                total = so_far + weight[edge[k]]
-                if total <= limit and total < distance[head]:
-                    if distance[head] == far:
-                        touched[count] = head
-                        count += 1
-                    distance[head], before[head], through[head] = total, node, edge[k]
-                    heapq.heappush(heap, (total, head))
-                    walk = total + distance[(head + nodes) % (2 * nodes)]
-                    if walk <= limit and walk < best:
-                        best, meeting = walk, head
-        if meeting >= 0:
-            for node in (meeting, (meeting + nodes) % (2 * nodes)):
-                while node != source:
-                    weight[through[node]] += raised
-                    edges.append(through[node])
-                    node = before[node]
-            ends.append(len(edges))
-        for k in range(count):
-            node = touched[k]
-            distance[node], done[node], before[node], through[node] = far, False, -1, -1
-    return np.array(edges, dtype=np.int64), np.array(ends, dtype=np.int64)
+    return Graph(nodes, key // 2 // nodes, key // 2 % nodes, key % 2, count, cost)
 
 
 class _Budget:
@@ -257,18 +173,11 @@ class _Budget:
 class _Program:
     """The search for one component: odd cycles so far, the best labels, the best bound."""
 
-    def __init__(self, graph: _Graph, budget: _Budget) -> None:
+    def __init__(self, graph: Graph, budget: _Budget) -> None:
         self.graph, self.budget = graph, budget
-        nodes, start, end, wish = graph.nodes, graph.first, graph.second, graph.parity
-        tail = np.concatenate([start, start + nodes])
-        head = np.concatenate([end + nodes * wish, end + nodes * (1 - wish)])
-        edge = np.tile(np.arange(len(start)), 2)
-        tail, head, edge = np.concatenate([tail, head]), np.concatenate([head, tail]), np.tile(edge, 2)
-        order = np.lexsort((head, tail))
-        self.heads, self.edge = head[order], edge[order]
-        self.starts = np.concatenate([[0], np.cumsum(np.bincount(tail, minlength=2 * nodes))])
+        self.doubled = DoubledGraph(graph)
         self.cycles: list[Indices] = []
-        self.labels = np.zeros(nodes, dtype=bool)
+        self.labels = np.zeros(graph.nodes, dtype=bool)
         self.cost = np.inf
         self.bound = 0.0
 
@@ -292,7 +201,7 @@ class _Program:
 
     def closed(self) -> bool:
         """Whether the labels cost what the bound says."""
-        return self.cost <= self.bound + _SMALL
+        return self.cost <= self.bound + EQUAL
 
     def broken(self, labels: Flags) -> Flags:
         """(E,) which edges the labels break."""
@@ -331,7 +240,7 @@ class _Program:
         labels = _labels(graph.nodes, graph.first[used], graph.second[used], graph.parity[used])
         labels = self.improved(labels)
         cost = float(graph.cost[self.broken(labels)].sum())
-        if cost < self.cost - _SMALL:
+        if cost < self.cost - EQUAL:
             self.labels, self.cost = labels, cost
 
     def improved(self, labels: Flags) -> Flags:
@@ -343,7 +252,7 @@ class _Program:
                 graph.second, value, graph.nodes
             )
             node = int(np.argmax(gain))
-            if gain[node] <= _SMALL:
+            if gain[node] <= EQUAL:
                 return labels
             labels[node] = not labels[node]
 
@@ -357,7 +266,7 @@ class _Program:
         weight, before = z + _SHORT, len(self.cycles)
         for steps in (*_STEPS, 1.0 / _SHORT - 1.0):
             while not self.budget.spent():
-                near = self.near_their_copies(weight - _SHORT, sources)
+                near = self.doubled.near_their_copies(weight - _SHORT, sources)
                 if not len(near) or not self.gather(weight, near[:_SEARCHES], steps * _SHORT):
                     break
         return len(self.cycles) > before
@@ -365,29 +274,9 @@ class _Program:
     def gather(self, weight: Scalars, sources: Indices, limit: float) -> int:
         """Add odd cycles through the sources, none heavier than the limit; how many."""
         self.budget.used += len(sources)
-        edges, ends = _odd_walks(
-            self.starts, self.heads, self.edge, weight, sources, self.graph.nodes, limit, _RAISED
-        )
-        self.cycles += [np.unique(cycle) for cycle in np.split(edges, ends)[:-1]]
-        return len(ends)
-
-    def near_their_copies(self, z: Scalars, sources: Indices) -> Indices:
-        """Sources nearer than one to their other copies, nearest first; edges of no length are contracted."""
-        nodes, length = self.graph.nodes, z[self.edge]
-        tails = np.repeat(np.arange(2 * nodes), np.diff(self.starts))
-        inner = length < _SMALL
-        joined = _matrix(2 * nodes, tails[inner], self.heads[inner])
-        count, part = csgraph.connected_components(joined, directed=False)
-        tail, head, outer = part[tails[~inner]], part[self.heads[~inner]], length[~inner]
-        # Of parallel edges between two parts the lightest one.
-        order = np.lexsort((outer, tail * count + head))
-        key, chosen = np.unique((tail * count + head)[order], return_index=True)
-        shrunk = sparse.csr_array((outer[order][chosen], (key // count, key % count)), shape=(count, count))
-        unique, row = np.unique(part[sources], return_inverse=True)
-        distance = csgraph.dijkstra(shrunk, indices=unique, limit=1.0)[row, part[sources + nodes]]
-        near = np.flatnonzero(distance < 1.0 - _SMALL)
-        result: Indices = sources[near[np.argsort(distance[near], kind="stable")]]
-        return result
+        found = self.doubled.odd_cycles(weight, sources, limit)
+        self.cycles += found
+        return len(found)
 
     def rows(self) -> tuple[sparse.csr_array, Indices]:
         """One row per cycle over the edges that lie on any of them, and those edges."""
@@ -411,6 +300,8 @@ class _Program:
 
     def relaxed(self, matrix: sparse.csr_array, cost: Scalars) -> tuple[Scalars | None, float | None]:
         """The program with fractions, and its value. Its corners are many and alike: by an interior path."""
+        from scipy.optimize import linprog
+
         result = linprog(  # type: ignore[call-overload]  # its stubs forget sparse matrices
             cost,
             A_ub=-matrix,
@@ -426,6 +317,8 @@ class _Program:
 
     def whole(self, matrix: sparse.csr_array, cost: Scalars) -> tuple[Scalars | None, float | None]:
         """The program in integers, as far as its limits let it come, and a bound on its value."""
+        from scipy.optimize import Bounds, LinearConstraint, milp
+
         result = milp(
             cost,
             integrality=np.ones(len(cost), dtype=np.int64),

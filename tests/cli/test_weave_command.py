@@ -14,7 +14,8 @@ from geoweave.models import shapes
 from geoweave.twin.contradictions import contradictions_of
 from geoweave.twin.pattern_surface import surface_of
 from geoweave.weave.design import weave_pattern
-from geoweave.weave.inspection import KINDS, Inspection, Place, inspected
+from geoweave.weave.inspection import Inspection, inspected
+from geoweave.weave.places import KINDS, Place
 
 
 @cache
