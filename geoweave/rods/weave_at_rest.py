@@ -233,7 +233,8 @@ def slide(
     Parameters
     ----------
     weave : its ribbons as rods
-    surface : in the position and size in which the weave is written; that of the weave if not given
+    surface : the one that was woven, in the size in which it was or in that of the weave (`Weave.sized`);
+        the mesh of the weave if not given
     springs, rounds, stepping : as of `slide_rods`
     fixed_boundary : hold the ends of ribbons that lie on the boundary, here and in `relax`
     callback : called with every `Step`
@@ -264,16 +265,25 @@ def slide(
 
 
 def _placed(surface: TriMesh, weave: Weave, rods: Rods) -> TriMesh:
-    """Take a surface to the place and size of a weave's mesh."""
-    placed = TriMesh(weave.placement.apply(surface.vertices), surface.faces)
-    nearest, _ = closest_points(triangle_tree(placed.vertices[placed.faces]), rods.points)
-    away = float(np.linalg.norm(rods.points - nearest, axis=1).mean())
-    if away > AWAY:
-        raise RodError(
-            f"the surface is {away:.2g} bounding radii from the ribbons in the mean; "
-            "give the surface that was woven, in the size of the weave, or none"
-        )
-    return placed
+    """Take a surface to the place and size of a weave's mesh.
+
+    The surface comes in the size in which the weave is written, or in the size in which it was woven:
+    `Weave.sized` scales a weave about the origin, and the surface is then scaled in the same way.
+    """
+    extent = float(np.ptp(weave.mesh.vertices, axis=0).max()) * weave.placement.scale
+    sizes = (1.0, extent / float(np.ptp(surface.vertices, axis=0).max()))
+    found: list[tuple[float, TriMesh]] = []
+    for size in sizes:
+        placed = TriMesh(weave.placement.apply(size * surface.vertices), surface.faces)
+        nearest, _ = closest_points(triangle_tree(placed.vertices[placed.faces]), rods.points)
+        found.append((float(np.linalg.norm(rods.points - nearest, axis=1).mean()), placed))
+        if found[-1][0] <= AWAY:
+            return placed
+    away = min(away for away, _ in found)
+    raise RodError(
+        f"the surface is {away:.2g} bounding radii from the ribbons in the mean; "
+        "give the surface that was woven, or none"
+    )
 
 
 def relax(

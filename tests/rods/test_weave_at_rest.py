@@ -117,6 +117,15 @@ def test_rods_take_a_width_in_the_unit_of_the_weave() -> None:
     assert elastic_rods(cone()).weave is cone()
 
 
+def test_the_surface_may_have_the_size_that_it_was_woven_in_or_that_of_the_weave() -> None:
+    surface = shapes.cone(faces=400)
+    rods = elastic_rods(weave_pattern(surface, ribbons=8).sized(size=300.0))
+    extent = np.ptp(surface.vertices, axis=0).max()
+    large = TriMesh(surface.vertices * 300.0 / extent, surface.faces)
+    ends = [slide(rods, each).slid.steps[-1].energy for each in (surface, large, None)]
+    assert ends == pytest.approx([ends[2]] * 3, rel=1e-6)
+
+
 def test_a_surface_elsewhere_is_refused() -> None:
     weave = weave_pattern(shapes.cone(faces=400), ribbons=8)
     far = shapes.sphere(200)
