@@ -6,6 +6,7 @@ GEOWEAVE_DATA_DIR, or one beside the checkout) and reported as skipped where not
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +48,12 @@ def cases(*names: str) -> list[ParameterSet]:
 
 def solved(name: str, patch: pytest.MonkeyPatch) -> GeodesicSolve:
     _look_nearby(patch)
+    return _solved(name)
+
+
+@cache
+def _solved(name: str) -> GeodesicSolve:
+    """The field of a model, which several tests look at."""
     return geodesic_field(smoothest_field(catalogue.load(name)), phases=4)
 
 
