@@ -20,6 +20,12 @@ EDGE_MARGIN = 1e-9
 WALL = 0.5
 """Cosine of 60 degrees: vectors that meet at an edge at a wider angle form a wall, where lines end."""
 
+WALL_ANGLE = np.pi / 3
+"""The same as an angle, radians."""
+
+MOST_FACES = 100_000
+"""Faces that one walk may pass, so that it ends whatever the mesh."""
+
 
 class Ground(NamedTuple):
     """The arrays of a mesh, and of a field on it, that the compiled walks read."""
@@ -146,10 +152,10 @@ def unfold(g: Ground, face: int, k: int) -> complex:
 def around_vertex(g: Ground, face: int, k: int, sign: float) -> tuple[int, int, int, float]:
     """Choose where a line goes on that came along half-edge k of a face to its head.
 
-    The faces around the vertex are unfolded about it, starting from the edge the line came along; the line
-    goes straight on at half the angle around the vertex. Of the faces whose own vector leads from the vertex
-    into the face, and of the edges to which the vectors on both sides point, the one nearest to straight
-    is taken.
+    The faces around the vertex are unfolded about it, starting from the edge the line came along. Straight on
+    is half the angle around the vertex. The line may go into a face whose own vector leads from the vertex
+    into it, or along an edge to which the vectors on both sides point. Of these the one nearest to straight
+    on is taken.
 
     Returns
     -------
@@ -173,7 +179,7 @@ def around_vertex(g: Ground, face: int, k: int, sign: float) -> tuple[int, int, 
             if abs(turn) < best:
                 kind, best_face, best_corner, best = 0, f, c, abs(turn)
                 turning = turn
-        elif swept > 0.0 and ahead < 0.0 < before and before - ahead < np.pi / 3:
+        elif swept > 0.0 and ahead < 0.0 < before and before - ahead < WALL_ANGLE:
             turn = swept - half
             if abs(turn) < best:
                 kind, best_face, best_corner, best = 1, f, c, abs(turn)
@@ -223,7 +229,7 @@ def straight_walk(
     face and place at its end, and whether it got there before the boundary
     """
     entry = -1
-    for _ in range(100_000):
+    for _ in range(MOST_FACES):
         k, share = leave(g, face, place, way, entry)
         target = corner(g, face, (k + 1) % 3) + share * g.sides[face, k]
         step = abs(target - place)

@@ -32,6 +32,9 @@ __all__ = ["straightest"]
 OUTSIDE = 1e-6
 """A start may lie outside its face by this share of the face's size."""
 
+STEEP = 1e-9
+"""A direction whose part in the plane of its face is a smaller share of it is normal to the face."""
+
 STANDSTILL = 1e-12
 """Steps shorter than this share of the mean edge make no point of their own."""
 
@@ -92,7 +95,7 @@ def straightest(
     _check_inside(mesh, face, place)
     way = planar(mesh, face, heading)
     size = np.abs(way)
-    steep = ~(size > 1e-9 * np.linalg.norm(heading, axis=1))
+    steep = ~(size > STEEP * np.linalg.norm(heading, axis=1))
     if steep.any():
         raise FieldError(
             f"the direction of geodesic {int(np.flatnonzero(steep)[0])} has no part in the plane of its face"

@@ -1,7 +1,8 @@
-"""Which scale gives so many ribbons: a short search over a function that counts in steps (Section 4.2.3).
+"""Which scale gives a wanted number of ribbons (Section 4.2.3).
 
-The number of ribbons grows with the scale, but in steps, with jumps up and down where level sets merge or
-are cut otherwise. So the search cannot end at a root; it takes the nearest count that a few tries meet.
+The number of ribbons grows with the scale, but in steps, and it jumps up and down where level sets merge or
+are cut at other places. There may be no scale with the wanted number. So the search makes a few tries and
+takes the one nearest to it.
 """
 
 from __future__ import annotations
@@ -18,13 +19,13 @@ TRIES = 10
 """How many scales are tried at most."""
 
 GROWTH = 1.4
-"""First guess of p in ``count ~ scale^p``: ribbons lie denser, and the pruning spares shorter ones."""
+"""First guess of p in ``count ~ scale^p``: more than 1, because shorter ribbons are kept at larger scales."""
 
 DIGITS = 5
 """Significant digits of a scale, so that the one that is reported can be asked for."""
 
 FINEST = 0.25
-"""Two scales closer than this share of what a count of one more takes, ``1 / wanted``, have none between."""
+"""Between scales whose logarithms differ by less than this share of ``1 / wanted`` none is tried."""
 
 NEARBY = 0.01
 """Share of the scale by which a scale next to the best differs from it."""

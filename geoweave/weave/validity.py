@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import cKDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.curves import Curves
@@ -15,6 +14,12 @@ __all__ = ["violations"]
 
 ROUNDING = 1e-6
 """Share of the mean edge by which a point may be off its place."""
+
+PARALLEL = 1e-6
+"""Sine of the angle up to which two segments count as parallel."""
+
+OFF = 10
+"""A crossing may be so many times the rounding away from the place its ribbon has at its arc length."""
 
 MARGIN = 1e-6
 """Share of a segment next to its ends that the search for unlisted crossings leaves to its neighbours."""
@@ -79,15 +84,9 @@ def _said(what: str, wrong: Flags, points: Vectors) -> list[str]:
 
 def _place(curves: Curves, which: Indices, at: Scalars) -> Vectors:
     """(n, 3) point of each curve at an arc length."""
-    # One increasing coordinate over all curves: each begins where the one before it ends, and a bit.
-    begin = np.concatenate([[0.0], np.cumsum(curves.lengths + 1.0)[:-1]])
-    sizes = np.diff(curves.offsets)
-    all_along = curves.arclength + np.repeat(begin, sizes)
-    segment = np.searchsorted(all_along, begin[which] + at, side="right") - 1
-    segment = np.clip(segment, curves.offsets[which], curves.offsets[which + 1] - 1)
-    rest = begin[which] + at - all_along[segment]
+    segment = curves.segments_at(which, at)
     length = curves.segment_lengths[segment]
-    share = np.clip(rest / np.where(length > 0, length, 1.0), 0.0, 1.0)
+    share = np.clip((at - curves.arclength[segment]) / np.where(length > 0, length, 1.0), 0.0, 1.0)
     return np.asarray(curves.points[segment] + share[:, None] * curves.segments[segment])
 
 
@@ -99,7 +98,7 @@ def _off_their_ribbons(ribbons: Ribbons, near: float) -> list[str]:
     off = np.zeros(len(met), dtype=bool)
     for side in (0, 1):
         there = _place(curves, met.curves[:, side], met.arclength[:, side])
-        off |= np.linalg.norm(there - met.points, axis=1) > 10 * near
+        off |= np.linalg.norm(there - met.points, axis=1) > OFF * near
     found += _said("crossings are not where their ribbons are", off, met.points)
     own = met.curves[:, 0] == met.curves[:, 1]
     apart = np.abs(met.arclength[:, 0] - met.arclength[:, 1])
@@ -137,7 +136,7 @@ def _unlisted(ribbons: Ribbons, near: float) -> list[str]:
     u, v = _flat(frame, curves.segments[a]), _flat(frame, curves.segments[b])
     between = _flat(frame, curves.points[b] - curves.points[a])
     det = _cross(u, v)
-    steep = np.abs(det) > 1e-6 * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
+    steep = np.abs(det) > PARALLEL * np.linalg.norm(u, axis=1) * np.linalg.norm(v, axis=1)
     det = np.where(steep, det, 1.0)
     s, t = _cross(between, v) / det, _cross(between, u) / det
     strict = steep & (s > MARGIN) & (s < 1 - MARGIN) & (t > MARGIN) & (t < 1 - MARGIN)
@@ -182,6 +181,8 @@ def _among(
     besides_itself: bool = False,
 ) -> Flags:
     """(n,) whether a known place of the same two ribbons is so near to a point."""
+    from scipy.spatial import KDTree
+
     rank = 2 if besides_itself else 1
     if len(known) < rank:
         return np.zeros(len(pairs), dtype=bool)
@@ -189,7 +190,7 @@ def _among(
     far = 4.0 * float(np.abs(known).max() + np.abs(points).max(initial=0.0) + near)
     there = np.concatenate([known, far * np.sort(known_pairs, axis=1)], axis=1)
     here = np.concatenate([points, far * pairs], axis=1)
-    distance = np.asarray(cKDTree(there).query(here, [rank])[0])
+    distance = np.asarray(KDTree(there).query(here, [rank])[0])
     return np.asarray(distance[:, 0] <= near)
 
 

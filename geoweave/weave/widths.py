@@ -7,6 +7,9 @@ import numpy as np
 from geoweave.arrays import Scalars
 from geoweave.weave.weave import Weave
 
+FLATTEST = 1e-12
+"""Least sine of the angle of a crossing, so that nothing is divided by zero."""
+
 __all__ = ["Neighbours", "widths_that_fit"]
 
 
@@ -23,13 +26,22 @@ def widths_that_fit(distance: Scalars, first: Scalars, second: Scalars) -> Scala
     distance : (n,) between the crossings along the third ribbon, a length
     first, second : (n,) angles from the third ribbon to the two, radians, modulo a half turn
     """
-    one, two = (np.maximum(np.abs(np.sin(angle)), 1e-12) for angle in (first, second))
+    one, two = (np.maximum(np.abs(np.sin(angle)), FLATTEST) for angle in (first, second))
     lean = np.cos(first) * np.sign(np.sin(first)) / one - np.cos(second) * np.sign(np.sin(second)) / two
     return np.asarray(2.0 * distance / (1.0 / one + 1.0 / two + np.abs(lean)))
 
 
 class Neighbours:
-    """Pairs of crossings that follow each other on a ribbon."""
+    """Pairs of crossings that follow each other on a ribbon.
+
+    Attributes
+    ----------
+    ribbon : (M,) the ribbon
+    first, second : (M,) the two crossings, in the order in which they come on it
+    others : (M, 2) the two ribbons that it crosses there
+    widths : (M,) largest width at which these two do not overlap, a length
+    triangles : (T, 3) pairs that form a triangle, see `Passages.triples`
+    """
 
     def __init__(self, weave: Weave) -> None:
         met, curves, passages = weave.ribbons.crossings, weave.ribbons.curves, weave.ribbons.passages
