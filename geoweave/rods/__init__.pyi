@@ -24,6 +24,7 @@ from .weave_at_rest import (
     relax as relax,
     relaxed_weave as relaxed_weave,
     slide as slide,
+    surface_of_weave as surface_of_weave,
     vertex_normals as vertex_normals,
 )
 from .weave_file import at_rest as at_rest, read_weave as read_weave, rods_of_document as rods_of_document

@@ -36,6 +36,7 @@ __all__ = [
     "relax",
     "relaxed_weave",
     "slide",
+    "surface_of_weave",
     "vertex_normals",
 ]
 
@@ -254,7 +255,7 @@ def slide(
     fixed = boundary_ends(woven, rods) if fixed_boundary else np.zeros(rods.layout.vertices, dtype=bool)
     slid = slide_rods(
         rods,
-        woven.mesh if surface is None else _placed(surface, woven, rods),
+        woven.mesh if surface is None else surface_of_weave(surface, woven, rods.points),
         springs=springs,
         rounds=rounds,
         stepping=stepping,
@@ -264,19 +265,30 @@ def slide(
     return SlidWeave(woven, rods, slid, fixed, time.perf_counter() - clock)
 
 
-def _placed(surface: TriMesh, weave: Weave, rods: Rods) -> TriMesh:
-    """Take a surface to the place and size of a weave's mesh.
+def surface_of_weave(surface: TriMesh, weave: Weave, points: Vectors) -> TriMesh:
+    """Take the surface that was woven to the place and size of a weave's mesh.
 
     The surface comes in the size in which the weave is written, or in the size in which it was woven:
     `Weave.sized` scales a weave about the origin, and the surface is then scaled in the same way.
+
+    Parameters
+    ----------
+    surface : the surface that was woven
+    weave : the weave
+    points : (P, 3) points of its ribbons, in the place and size of the weave's mesh
+
+    Raises
+    ------
+    RodError
+        If the surface lies elsewhere than the ribbons.
     """
     extent = float(np.ptp(weave.mesh.vertices, axis=0).max()) * weave.placement.scale
     sizes = (1.0, extent / float(np.ptp(surface.vertices, axis=0).max()))
     found: list[tuple[float, TriMesh]] = []
     for size in sizes:
         placed = TriMesh(weave.placement.apply(size * surface.vertices), surface.faces)
-        nearest, _ = closest_points(triangle_tree(placed.vertices[placed.faces]), rods.points)
-        found.append((float(np.linalg.norm(rods.points - nearest, axis=1).mean()), placed))
+        nearest, _ = closest_points(triangle_tree(placed.vertices[placed.faces]), points)
+        found.append((float(np.linalg.norm(points - nearest, axis=1).mean()), placed))
         if found[-1][0] <= AWAY:
             return placed
     away = min(away for away, _ in found)

@@ -14,7 +14,7 @@ from .picture import Picture as Picture
 from .plate import Lines as Lines, Note as Note, Plate as Plate, projections as projections
 from .plate_layout import plates as plates
 from .publishing import mesh_digest as mesh_digest, provenance as provenance, publish as publish
-from .rods import Sprung as Sprung, at_rest as at_rest, bands as bands, rod_gallery as rod_gallery
+from .rods import Sprung as Sprung, at_rest as at_rest, rod_gallery as rod_gallery
 from .scales import (
     Scale as Scale,
     deviation_scale as deviation_scale,
@@ -39,6 +39,7 @@ from .sheets import (
     stacked_sheets as stacked_sheets,
     theta_scene as theta_scene,
 )
+from .solids import bands as bands, strips as strips
 from .streamline_panels import (
     Panel as Panel,
     curl_scale as curl_scale,
@@ -49,7 +50,7 @@ from .views import FROM_ABOVE as FROM_ABOVE, VIEWS as VIEWS, View as View
 from .weaves import (
     Woven as Woven,
     colouring as colouring,
-    strips as strips,
     weave_gallery as weave_gallery,
     weave_scene as weave_scene,
 )
+from .woven_picture import weave as weave

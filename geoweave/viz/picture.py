@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import io
+import os
+import platform
+import sys
+import tempfile
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import click
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Colormap
@@ -78,6 +83,28 @@ class Picture:
                 return encoded
         raise RenderError(f"the figure does not fit into {limit:,} bytes even at a fifth of its size")
 
+    def show(self) -> None:
+        """Show the picture: below the cell in a notebook, elsewhere as a PNG in a viewer.
+
+        Outside a notebook the PNG goes to the folder of temporary files and its path is printed. If there is
+        a screen, the system's viewer of pictures opens it.
+
+        Examples
+        --------
+        >>> viz.drop_chart([viz.Drop("Cow", 20.0, 7.0)]).show()  # doctest: +SKIP
+        the picture is in /tmp/geoweave-1f2e3d4c.png
+        """
+        if _in_notebook():
+            from IPython.display import display
+
+            display(self)  # type: ignore[no-untyped-call]
+            return
+        with tempfile.NamedTemporaryFile(prefix="geoweave-", suffix=".png", delete=False) as file:
+            file.write(self.png())
+        print(f"the picture is in {file.name}")
+        if _has_screen():
+            click.launch(file.name)
+
     def _palette(self, image: Image.Image) -> Image.Image:
         """Choose colours by what the picture holds, with a place for every step of its colour bars.
 
@@ -110,3 +137,16 @@ def sheet(width: int, height: int) -> Figure:
     """Make an empty white figure of a size in pixels, which draws nothing by itself."""
     with style.applied():
         return Figure(figsize=(width / style.DPI, height / style.DPI), dpi=style.DPI)
+
+
+def _in_notebook() -> bool:
+    """Whether this runs in a kernel, which can show pictures; IPython in a terminal cannot."""
+    ipython = sys.modules.get("IPython")
+    shell = None if ipython is None else ipython.get_ipython()
+    return hasattr(shell, "kernel")
+
+
+def _has_screen() -> bool:
+    if platform.system() == "Linux":
+        return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+    return True

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
-from geoweave.arrays import Indices, Scalars, Vectors
+from geoweave.arrays import Indices, Scalars
 from geoweave.errors import RenderError
 from geoweave.rods import Relaxed, Rods, rigid_fit, vertex_weights
 from geoweave.surface import TriMesh
@@ -19,22 +16,8 @@ from geoweave.viz.layout import grid
 from geoweave.viz.picture import Picture
 from geoweave.viz.scales import FOOT, Scale, colour_bars
 from geoweave.viz.scene import Scene
+from geoweave.viz.solids import bands
 from geoweave.viz.views import View, view_of
-from geoweave.viz.weaves import heights, strip
-
-CUTS = 4
-"""Cross sections that are drawn for each segment of a rod."""
-
-
-class Bands(NamedTuple):
-    """The outside of some rods as quadrilaterals."""
-
-    points: Vectors
-    """(P, 3)"""
-    quads: NDArray[np.int64]
-    """(Q, 4)"""
-    segments: Indices
-    """(P,) segment that each point belongs to"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +32,6 @@ class Sprung:
     view : where from, or the name of a model in `VIEWS`
     hues : (R,) colour of each rod, from 0; all alike if not given
     values : (S,) value of each segment, shown by the scale of the gallery in place of hues
-    lifted : whether the rods still lie on the surface, so that the drawing has to part them where they
-        cross; rods at rest are a thickness apart as they are
     opacity : of the target; it is drawn a little below the rods, at 0 not at all
     focus : a place and the radius round it that is to be seen; all of it if None
     """
@@ -62,7 +43,6 @@ class Sprung:
     view: View | str = field(default_factory=View)
     hues: Indices | None = None
     values: Scalars | None = None
-    lifted: bool = False
     opacity: float = 1.0
     focus: tuple[Sequence[float], float] | None = None
 
@@ -86,7 +66,7 @@ class Sprung:
         if self.values is not None:
             if scale is None:
                 raise RenderError(f"panel '{self.title}' has values: draw it in a gallery with a scale")
-            made = bands(self.rods, np.arange(len(self.rods)), lifted=self.lifted)
+            made = bands(self.rods, np.arange(len(self.rods)))
             smooth = _at_points(self.rods, self.values)[made.segments]
             limits = (scale.low, scale.high)
             scene.add_solid(
@@ -95,7 +75,7 @@ class Sprung:
             return scene
         hues = np.zeros(len(self.rods), dtype=np.int64) if self.hues is None else self.hues
         for hue in np.unique(hues):
-            made = bands(self.rods, np.flatnonzero(hues == hue), lifted=self.lifted)
+            made = bands(self.rods, np.flatnonzero(hues == hue))
             colour = style.FAMILIES[int(hue) % len(style.FAMILIES)]
             scene.add_solid(made.points, made.quads, colour, framed=True)
         return scene
@@ -111,63 +91,6 @@ def at_rest(relaxed: Relaxed) -> Rods:
         edges=np.asarray(rods.edges) @ rotation.T,
         directors=rods.directors @ rotation.T,
     )
-
-
-def bands(rods: Rods, which: Indices, *, lifted: bool = False) -> Bands:
-    """Build some rods as solid strips of their width and thickness, smooth through their vertices.
-
-    Parameters
-    ----------
-    rods : in space
-    which : numbers of the rods
-    lifted : part rods that cross by half a thickness each, over and under; between crossings the height goes
-        from one to the next in half a wave of a cosine
-    """
-    layout, contacts, thin = rods.layout, rods.contacts, rods.material.thickness
-    start = np.cumsum(rods.lengths) - rods.lengths
-    points, quads, owners, count = [], [], [], 0
-    for r in which:
-        closed = bool(layout.closed[r])
-        segments = np.arange(layout.segment_offsets[r], layout.segment_offsets[r + 1])
-        along = start[segments] - start[segments[0]]
-        length = float(rods.lengths[segments].sum())
-        knots = np.append(along, length)
-        vertices = np.append(layout.ends[segments, 0], layout.ends[segments[-1], 1])
-        number = CUTS * len(segments)
-        s = np.linspace(0.0, length, number + 1)[: number if closed else number + 1]
-        own = segments[np.clip(np.searchsorted(along, s, side="right") - 1, 0, len(segments) - 1)]
-        line = CubicSpline(knots, rods.points[vertices], bc_type="periodic" if closed else "natural")
-        directors = rods.directors[segments]
-        if closed:
-            turned = directors + np.roll(directors, 1, axis=0)
-            turned = np.append(turned, turned[:1], axis=0)
-        else:
-            turned = np.concatenate([directors[:1], directors[1:] + directors[:-1], directors[-1:]])
-        up = np.stack([np.interp(s, knots, x) for x in turned.T], axis=1)
-        ahead = _unit(line(s, 1))
-        up = _unit(up - (up * ahead).sum(axis=1, keepdims=True) * ahead)
-        middle = line(s)
-        if lifted:
-            mine = layout.rod_of_segment[contacts.segments] == r
-            at = (
-                start[contacts.segments]
-                - start[segments[0]]
-                + contacts.places * rods.lengths[contacts.segments]
-            )
-            side = np.where(contacts.over[:, None] == np.arange(2), 1.0, -1.0)
-            level = 0.6 * float(rods.widths[segments[0]])
-            height = heights(s, at[mine], side[mine], length, closed, level)
-            middle = middle + 0.55 * thin * height[:, None] * up
-        half = 0.5 * rods.widths[own][:, None] * np.cross(up, ahead)
-        made = strip(middle, half, 0.5 * thin * up, closed)
-        points.append(made.points)
-        quads.append(count + made.quads)
-        owners.append(np.repeat(own, 4))
-        count += len(made.points)
-    if not points:
-        none = np.zeros(0, dtype=np.int64)
-        return Bands(np.zeros((0, 3)), none.reshape(0, 4), none)
-    return Bands(np.concatenate(points), np.concatenate(quads), np.concatenate(owners))
 
 
 def rod_gallery(
@@ -218,7 +141,3 @@ def _at_points(rods: Rods, values: Scalars) -> Scalars:
         np.add.at(sums, one, values[other])
         np.add.at(counts, one, 1.0)
     return np.asarray(sums / counts)
-
-
-def _unit(vectors: NDArray[np.float64]) -> Vectors:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))

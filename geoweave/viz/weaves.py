@@ -4,32 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from geoweave.arrays import Indices, Scalars, Vectors
-from geoweave.errors import RenderError
-from geoweave.surface import TriMesh, smooth_normals
+from geoweave.arrays import Indices
+from geoweave.surface import TriMesh
 from geoweave.viz import style
 from geoweave.viz.layout import gallery
 from geoweave.viz.picture import Picture
 from geoweave.viz.scene import Scene
+from geoweave.viz.solids import joined, ribbon_bodies
 from geoweave.viz.views import View, view_of
 from geoweave.weave import Weave
-
-STEP = 0.06
-"""Distance between the cross sections of a strip, in spacings."""
-
-
-class Strips(NamedTuple):
-    """The outside of some ribbons as quadrilaterals."""
-
-    points: Vectors
-    """(P, 3)"""
-    quads: NDArray[np.int64]
-    """(Q, 4)"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,85 +90,6 @@ def colouring(weave: Weave, count: int | None = None) -> Indices:
             return np.asarray(chosen, dtype=np.int64)
 
 
-def strips(
-    weave: Weave, which: Indices, width: float | None = None, thickness: float | None = None
-) -> Strips:
-    """Build some ribbons as solid strips, lifted by half a thickness over and under each other.
-
-    Between crossings the height above the surface goes from one to the next in half a wave of a cosine.
-
-    Parameters
-    ----------
-    weave : the weave
-    which : numbers of the ribbons
-    width, thickness : lengths on the surface; those of the weave if not given
-
-    Raises
-    ------
-    RenderError
-        If the width or the thickness is not positive.
-    """
-    wide, thin = weave.width if width is None else width, weave.thickness if thickness is None else thickness
-    if not (wide > 0 and thin > 0):
-        raise RenderError(f"a ribbon needs a positive width and thickness, not {wide} and {thin}")
-    ribbons, spacing = weave.ribbons, weave.ribbons.spacing
-    curves, met = ribbons.curves, ribbons.crossings
-    points, quads, count = [], [], 0
-    for c in which:
-        own = np.arange(curves.offsets[c], curves.offsets[c + 1])
-        closed, length = bool(curves.closed[c]), float(curves.lengths[c])
-        at, place = curves.arclength[own], curves.points[own]
-        normal = smooth_normals(weave.mesh, place, curves.faces[own])
-        if closed:
-            at, place, normal = np.append(at, length), *(np.vstack([x, x[:1]]) for x in (place, normal))
-        number = max(int(np.ceil(length / (STEP * spacing))), 4)
-        s = np.linspace(0.0, length, number + 1)
-        if closed:
-            s = s[:-1]
-        line = np.stack([np.interp(s, at, x) for x in place.T], axis=1)
-        up = _unit(np.stack([np.interp(s, at, x) for x in normal.T], axis=1))
-        ahead, behind = (np.roll(line, k, axis=0) for k in (-1, 1))
-        if not closed:
-            ahead[-1], behind[0] = line[-1], line[0]
-        across = _unit(np.cross(up, ahead - behind))
-        here = met.curves == c
-        sides = np.where(weave.interlacing.over[:, None] == np.arange(2), 1.0, -1.0)[here]
-        height = heights(s, met.arclength[here], sides, length, closed, 0.6 * wide)
-        middle = line + 0.55 * thin * height[:, None] * up
-        made = strip(middle, 0.5 * wide * across, 0.5 * thin * up, closed)
-        points.append(made.points)
-        quads.append(count + made.quads)
-        count += 4 * len(s)
-    if not points:
-        return Strips(np.zeros((0, 3)), np.zeros((0, 4), dtype=np.int64))
-    return Strips(np.concatenate(points), np.concatenate(quads))
-
-
-def strip(middle: Vectors, half: Vectors, thick: Vectors, closed: bool) -> Strips:
-    """Build one solid strip of cross sections with four corners each, closed or with a cap at both ends.
-
-    Parameters
-    ----------
-    middle : (n, 3) middle of each cross section
-    half, thick : (n, 3) from there to the edge of the strip, and to its upper side
-    closed : whether the last section is joined to the first
-    """
-    n = len(middle)
-    ring = np.stack(
-        [middle - half - thick, middle + half - thick, middle + half + thick, middle - half + thick]
-    )
-    first = 4 * np.arange(n if closed else n - 1)
-    second = (first + 4) % (4 * n)
-    quads = [
-        np.stack([first + a, second + a, second + b, first + b], axis=1)[:, ::-1]
-        for a, b in ((0, 1), (1, 2), (2, 3), (3, 0))
-    ]
-    if not closed:
-        last = 4 * (n - 1)
-        quads.append(np.array([[3, 2, 1, 0], [last, last + 1, last + 2, last + 3]]))
-    return Strips(ring.swapaxes(0, 1).reshape(-1, 3), np.concatenate(quads))
-
-
 def weave_scene(
     weave: Weave,
     view: View | str,
@@ -190,17 +97,35 @@ def weave_scene(
     *,
     width: float | None = None,
     thickness: float | None = None,
+    surface: TriMesh | None = None,
 ) -> Scene:
-    """Build the scene of a weave on its surface, ribbons in the chosen colours or in those of `colouring`."""
+    """Build the scene of a weave on its surface.
+
+    Parameters
+    ----------
+    weave : the weave
+    view : where from, or the name of a model in `VIEWS`
+    chosen : (n,) colour of each ribbon; those of `colouring` if not given
+    width, thickness : lengths on the surface; those of the weave if not given
+    surface : to draw in place of the weave's mesh
+
+    Examples
+    --------
+    >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
+    >>> 0.5 < viz.weave_scene(woven, "cone").aspect < 2
+    True
+    """
+    mesh = weave.mesh if surface is None else surface
     scene = Scene(view_of(view))
     # The surface a little behind, so that what goes under is not lost in it; where normals point inwards one
     # looks at the ribbons from below.
-    depth = 1.3 * (weave.thickness if thickness is None else thickness) * facing(weave.mesh)
-    sunk = weave.mesh.vertices - depth * weave.mesh.vertex_normals
-    scene.add_surface(TriMesh(sunk, weave.mesh.faces), colour=style.SURFACE)
+    depth = 1.3 * (weave.thickness if thickness is None else thickness) * facing(mesh)
+    sunk = mesh.vertices - depth * mesh.vertex_normals
+    scene.add_surface(TriMesh(sunk, mesh.faces), colour=style.SURFACE)
     chosen = colouring(weave) if chosen is None else chosen
+    found = ribbon_bodies(weave, width, thickness)
     for hue in range(int(chosen.max()) + 1):
-        made = strips(weave, np.flatnonzero(chosen == hue), width, thickness)
+        made = joined([found[c] for c in np.flatnonzero(chosen == hue)])
         if len(made.quads):
             scene.add_solid(made.points, made.quads, style.FAMILIES[hue % len(style.FAMILIES)])
     return scene
@@ -246,33 +171,3 @@ def weave_gallery(
         tallest=tallest,
         alt=alt or "Weaves: " + ", ".join(panel.title for panel in panels),
     )
-
-
-def heights(
-    s: Scalars, at: Scalars, sides: Scalars, length: float, closed: bool, level: float = 0.0
-) -> Scalars:
-    """Height along a ribbon in half thicknesses: +1 over, -1 under, half cosines between.
-
-    It stays as it is up to ``level`` to either side of a crossing, at most three tenths of the way on.
-    """
-    if not len(at):
-        return np.zeros(len(s))
-    order = np.argsort(at)
-    at, sides = at[order], sides[order]
-    if closed:
-        at = np.concatenate([[at[-1] - length], at, [at[0] + length]])
-        sides = np.concatenate([[sides[-1]], sides, [sides[0]]])
-    if len(at) == 1:
-        return np.full(len(s), sides[0])
-    after = np.clip(np.searchsorted(at, s, side="right"), 1, len(at) - 1)
-    before = after - 1
-    gap = np.maximum(at[after] - at[before], 1e-12)
-    flat = np.minimum(level / gap, 0.3)
-    share = np.clip(((s - at[before]) / gap - flat) / (1.0 - 2.0 * flat), 0.0, 1.0)
-    blend = 0.5 - 0.5 * np.cos(np.pi * share)
-    return np.asarray((1 - blend) * sides[before] + blend * sides[after])
-
-
-def _unit(vectors: Vectors) -> Vectors:
-    size = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.asarray(vectors / np.where(size > 0, size, 1.0))

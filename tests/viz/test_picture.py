@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import io
+import platform
+import tempfile
+from types import SimpleNamespace
 
+import click
+import IPython.display
 import numpy as np
 import pytest
 from pictures import circles
@@ -37,3 +42,35 @@ def test_a_notebook_shows_a_small_png() -> None:
     assert len(bundle["image/png"]) <= 300_000
     assert Image.open(io.BytesIO(bundle["image/png"])).width <= 1100
     assert bundle["text/plain"] == "Picture('circles on a ball')"
+
+
+def test_shown_outside_a_notebook_it_is_a_file_and_no_viewer_starts_without_a_screen(
+    monkeypatch, tmp_path, capsys
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(click, "launch", opened.append)
+    monkeypatch.setattr(platform, "system", lambda: "Linux")
+    shown = viz.drop_chart([viz.Drop("Cow", 20.0, 7.0)])
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    shown.show()
+    (path,) = tmp_path.iterdir()
+    assert path.read_bytes() == shown.png()
+    assert capsys.readouterr().out == f"the picture is in {path}\n"
+    assert not opened
+    monkeypatch.setenv("DISPLAY", ":0")
+    shown.show()
+    assert len(opened) == 1
+    assert opened[0] != str(path)
+
+
+def test_shown_in_a_notebook_it_stands_below_the_cell(monkeypatch, tmp_path) -> None:
+    displayed: list[object] = []
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(IPython, "get_ipython", lambda: SimpleNamespace(kernel=object()))
+    monkeypatch.setattr(IPython.display, "display", displayed.append)
+    shown = viz.drop_chart([viz.Drop("Cow", 20.0, 7.0)])
+    shown.show()
+    assert displayed == [shown]
+    assert not list(tmp_path.iterdir())

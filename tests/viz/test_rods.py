@@ -37,41 +37,6 @@ def relaxed() -> Relaxed:
     return relaxed_weave(weave_pattern(shapes.cone(faces=1000), ribbons=9), rounds=1)
 
 
-def test_strips_have_the_section_of_the_rod() -> None:
-    made = viz.bands(ring(), np.array([0]))
-    assert len(made.points) == 4 * 4 * 24
-    assert len(made.quads) == len(made.points)  # closed: no caps
-    radius = np.linalg.norm(made.points[:, :2], axis=1)
-    # between vertices on the circle the strip is smooth, to a thousandth of the radius
-    np.testing.assert_allclose(np.unique(np.sign(radius - 1.0)), [-1, 1])
-    np.testing.assert_allclose(np.abs(radius - 1.0), 0.025, atol=1e-3)
-    np.testing.assert_allclose(np.abs(made.points[:, 2]), 0.1, atol=1e-9)
-    assert set(made.segments) == set(range(24))
-
-
-def test_strips_are_closed_solids_turned_outwards() -> None:
-    made = viz.bands(ring(), np.array([0, 1]))
-    corners = made.points[made.quads]
-    # divergence theorem: a third of the flux of x through the outside is the volume
-    area = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    volume = (area * corners.mean(axis=1)).sum() / 3.0
-    assert volume == pytest.approx(0.2 * 0.05 * (2 * np.pi + 4.0), rel=0.01)
-    owners = np.sort(np.concatenate([made.quads[:, [0, 1]], made.quads[:, [1, 2]], made.quads[:, [2, 3]],
-                                     made.quads[:, [3, 0]]]), axis=1)  # fmt: skip
-    assert (np.unique(owners, axis=0, return_counts=True)[1] == 2).all()
-
-
-def test_lifted_rods_part_by_more_than_a_thickness_where_they_cross() -> None:
-    rods = ring()
-    under, over = (viz.bands(rods, np.array([r]), lifted=True).points for r in (0, 1))
-    outwards = rods.directors[0]
-    place = rods.points[24 + 2]
-    near = [points[np.linalg.norm(points - place, axis=1) < 0.2] @ outwards for points in (under, over)]
-    assert near[0].max() < near[1].min()
-    flat = viz.bands(rods, np.array([1])).points
-    assert near[1].mean() == pytest.approx((flat @ outwards).mean() + 0.55 * 0.05)
-
-
 def test_rest_is_put_back_on_the_design() -> None:
     found = relaxed()
     placed, design = viz.at_rest(found), found.slid.rods
@@ -89,7 +54,7 @@ def test_pictures() -> None:
     scale = viz.energy_scale([values], "N")
     assert scale.low == 0
     assert 0 < scale.high <= values.max()
-    plain = viz.Sprung(found.slid.rods, found.weave.mesh, "slid", view="cone", lifted=True)
+    plain = viz.Sprung(found.slid.rods, found.weave.mesh, "slid", view="cone")
     coloured = viz.Sprung(viz.at_rest(found), found.weave.mesh, "at rest", values=values, opacity=0.3)
     pixels = [each.scene(scale).draw(120) for each in (plain, coloured)]
     assert all((picture < 200).any() for picture in pixels)
@@ -108,4 +73,3 @@ def test_bad_input_is_refused() -> None:
         viz.rod_gallery([bent])
     with pytest.raises(RenderError, match="at least one panel"):
         viz.rod_gallery([], scale=Scale(viz.style.sequential(), 0.0, 1.0, "N"))
-    assert viz.bands(ring(), np.zeros(0, dtype=np.int64)).quads.shape == (0, 4)

@@ -21,34 +21,6 @@ def pattern() -> Weave:
     return weave_pattern(shapes.torus(faces=2500), scale=0.6)
 
 
-def ribbons_of(family: int) -> np.ndarray:
-    return np.flatnonzero(pattern().families == family)
-
-
-def test_strips_are_closed_solids() -> None:
-    made = weaves.strips(pattern(), ribbons_of(0))
-    edges = np.concatenate([made.quads[:, [k, (k + 1) % 4]] for k in range(4)])
-    forward = {tuple(edge) for edge in edges.tolist()}
-    assert len(forward) == len(edges)  # no edge twice the same way
-    assert all((b, a) in forward for a, b in forward)  # and every one back
-
-
-def test_strips_are_as_wide_and_thick_as_asked() -> None:
-    weave = pattern()
-    made = weaves.strips(weave, ribbons_of(1), width=0.03, thickness=0.01)
-    rings = made.points.reshape(-1, 4, 3)
-    np.testing.assert_allclose(np.linalg.norm(rings[:, 1] - rings[:, 0], axis=1), 0.03, rtol=1e-9)
-    np.testing.assert_allclose(np.linalg.norm(rings[:, 3] - rings[:, 0], axis=1), 0.01, rtol=1e-9)
-
-
-def test_over_is_above_under() -> None:
-    at, sides = np.array([0.3, 0.7]), np.array([1.0, -1.0])
-    heights = weaves.heights(np.linspace(0, 1, 11), at, sides, 1.0, False)
-    np.testing.assert_allclose(heights[[0, 3, 5, 7, 10]], [1, 1, 0, -1, -1], atol=1e-12)
-    round_ = weaves.heights(np.array([0.0, 0.3, 0.7]), at, sides, 1.0, True)
-    np.testing.assert_allclose(round_, [0, 1, -1], atol=1e-12)
-
-
 def test_a_picture_has_all_three_hues() -> None:
     picture = viz.weave_gallery(
         [viz.Woven(pattern(), "Torus", "three families", viz.View(elevation=40), dots=True)], width=700
@@ -58,8 +30,6 @@ def test_a_picture_has_all_three_hues() -> None:
     assert len(colourful) > 0.1 * len(pixels)
     with pytest.raises(RenderError, match="at least one"):
         viz.weave_gallery([])
-    with pytest.raises(RenderError, match="positive width"):
-        weaves.strips(pattern(), ribbons_of(0), width=0.0)
 
 
 def test_crossing_ribbons_differ_in_colour_where_that_can_be() -> None:
