@@ -8,7 +8,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from geoweave.models import datasets
+from geoweave import viz
+from geoweave.meshing.write import write_mesh
+from geoweave.models import datasets, shapes
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -61,3 +63,24 @@ def test_the_table_of_integration_is_the_published_one():
     for row in rows.to_dict("records")[:5]:
         line = f"| {row['method']} | {row['mean']:.1f}° | {row['median']:.1f}° | {row['dislocations']} |"
         assert line in README
+
+
+def test_the_python_of_the_readme_runs_as_written(tmp_path, monkeypatch):
+    """On coarser and fewer things than it says: what is tested is that every name and argument holds."""
+    first, second = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    shown = []
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(viz.Picture, "show", lambda picture: shown.append(picture))
+    write_mesh(shapes.cone(faces=400), "my-shape.obj")
+    names: dict = {}
+    exec(compile(first, "README.md", "exec"), names)
+    assert (tmp_path / "torus.svg").stat().st_size > 10_000
+    assert [picture.pixels.std() > 10 for picture in shown] == [True, True]
+    assert names["relaxed"].converged
+    exec(
+        compile(
+            second.replace("ribbons=80", "ribbons=8").replace("ribbons=30", "ribbons=12"), "README.md", "exec"
+        ),
+        names,
+    )
+    assert names["made"].files["weave.json"].is_file()
