@@ -1,14 +1,16 @@
 """The notebooks as files: parameters, profiles, what they publish, their committed form, the index.
 
-Rules that the runner and the tests hold every notebook to:
+Rules that `geoweave.artifact.figures` and the tests hold every notebook to:
 
 - The first code cell is tagged ``parameters`` and assigns literals only; these are the default profile. It
   holds ``profile = "default"``. Another profile's values stand in ``notebooks/profiles.toml``, one table a
   notebook (``[paper.fig26_convergence]``); papermill puts them, with ``profile`` itself, after that cell.
 - A figure is published by ``viz.publish("name", ...)`` with a literal name, into
-  ``places.figures_folder(profile)``. The runner points ``GEOWEAVE_FIGURES`` to a folder of its own for
-  each notebook, and copies what it finds there to ``figures/`` once the notebook has come to its end;
-  ``make test`` points it to a folder under ``build/``.
+  ``checkout.figures_folder(profile)``. `geoweave.artifact.execution` points ``GEOWEAVE_FIGURES`` to a folder
+  of its own for each notebook. `geoweave.artifact.figures` copies what it finds there to ``figures/`` once
+  the notebook has come to its end. ``make test`` points the variable to a folder under ``build/``.
+- Of this package a notebook imports `geoweave` and what `geoweave` itself hands out, such as
+  ``from geoweave import comparisons, fabrication, viz``, and no module below.
 - Committed notebooks are executed 1..n and hold nothing that changes from one execution to the next.
 """
 
@@ -32,6 +34,7 @@ __all__ = [
     "PROFILES",
     "NotebookError",
     "code_cells",
+    "deep_imports",
     "figures_index",
     "heading",
     "names",
@@ -177,6 +180,20 @@ def published(notebook: Any) -> list[str]:
             if not isinstance(first, ast.Constant) or not isinstance(first.value, str):
                 raise NotebookError(f"publish needs the figure's name as a literal: {ast.unparse(node)}")
             found.append(first.value)
+    return found
+
+
+def deep_imports(notebook: Any) -> list[str]:
+    """What a notebook imports of this package from below its face and `geoweave.viz`: nothing, by rule."""
+    found = []
+    for cell in code_cells(notebook):
+        for node in ast.walk(ast.parse(cell.source)):
+            modules: list[str] = []
+            if isinstance(node, ast.Import):
+                modules = [alias.name for alias in node.names if alias.name != "geoweave.viz"]
+            elif isinstance(node, ast.ImportFrom) and node.module != "geoweave.viz":
+                modules = [node.module or ""]
+            found += [name for name in modules if name.startswith("geoweave.")]
     return found
 
 

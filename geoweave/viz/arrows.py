@@ -60,6 +60,13 @@ def face_arrows(
     faces : (F,) those to draw, all by default
     start : if given, arrows start where the centred arrows of this field end: ``delta`` at the tip of ``w``
     colour, width, label : as in `Arrows`; the width is a twelfth of the length by default
+
+    Examples
+    --------
+    >>> field = gw.smoothest_field(gw.shapes.disk(faces=100))
+    >>> arrows = viz.face_arrows(field, length=0.1)
+    >>> bool(np.allclose(np.linalg.norm(arrows.vectors, axis=1), 0.1))
+    True
     """
     mesh = field.mesh
     unit = 0.6 * mesh.mean_edge if length is None else length
@@ -73,13 +80,26 @@ def face_arrows(
 
 
 def mark(point: Sequence[float], vector: Sequence[float], colour: str) -> Arrows:
-    """One bold arrow with its middle at a point: a handle (Fig. 10)."""
+    """One bold arrow with its middle at a point: a handle (Fig. 10).
+
+    Examples
+    --------
+    >>> viz.mark([0.5, 0, 0], [0, 0.2, 0], "#ff0000").points.tolist()
+    [[0.5, -0.1, 0.0]]
+    """
     along = np.array([vector], dtype=np.float64)
     return Arrows(np.array([point]) - 0.5 * along, along, colour, float(np.linalg.norm(along)) / 12.0)
 
 
 def scattered(mesh: TriMesh, spacing: float, view: View | None = None) -> Flags:
-    """Choose (F,) faces about so far apart, on a square grid seen from the eye: arrows that do not crowd."""
+    """Choose (F,) faces about so far apart, on a square grid seen from the eye: arrows that do not crowd.
+
+    Examples
+    --------
+    >>> disk = gw.shapes.disk(faces=2_000)
+    >>> bool(5 < viz.scattered(disk, 0.5).sum() < viz.scattered(disk, 0.25).sum())
+    True
+    """
     flat = mesh.barycenters @ (view or FROM_ABOVE).axes[:2].T
     cell = np.floor((flat - flat.min(axis=0)) / spacing)
     middle = flat.min(axis=0) + (cell + 0.5) * spacing

@@ -122,6 +122,14 @@ def relaxing(
     ------
     RenderError
         If there are fewer than two states.
+
+    Examples
+    --------
+    >>> surface = gw.shapes.cone(faces=400)
+    >>> rods = gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)).rods
+    >>> film = viz.relaxing([rods, rods, rods], surface, "cone", frames=3)
+    >>> len(film.scenes)
+    3
     """
     if len(states) < 2:
         raise RenderError("a film needs two states or more")

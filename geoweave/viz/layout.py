@@ -145,6 +145,14 @@ def gallery(
     ------
     RenderError
         If there is nothing to draw.
+
+    Examples
+    --------
+    >>> scene = viz.Scene()
+    >>> scene.add_surface(gw.shapes.sphere(faces=80))
+    >>> picture = viz.gallery([scene, scene], [("left", ""), ("right", "")], width=300)
+    >>> picture.pixels.shape[1], picture.alt
+    (300, 'left, right')
     """
     figure = grid(scenes, words, columns=columns, width=width, tallest=tallest, foot=0)
     shades = [

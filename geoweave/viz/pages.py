@@ -158,6 +158,17 @@ def strips_page(
     ------
     RenderError
         If there is no strip, or not one middle for each.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
+    >>> pattern = gw.fabrication.pattern_of(woven.sized(size=200.0))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     page = viz.strips_page(f"{folder}/two.pdf", pattern, [0, 1], [40.0, 60.0], reach=30.0)
+    ...     round(60.0 / page.aspect / pattern.width, 6)  # two strips and three gaps, and the gap at the foot
+    ...
+    6.0
     """
     if not len(which) or len(which) != len(middles):
         raise RenderError(f"{len(which)} strips cannot be drawn about {len(middles)} middles")

@@ -103,6 +103,14 @@ def add_theta(
     circle : the function
     part : the part of a surface it lives on, if the whole is to be seen
     colormap : of angles, ending where it starts; `style.cyclic` by default
+
+    Examples
+    --------
+    >>> circle = gw.foliate(gw.smoothest_field(gw.shapes.torus(faces=400))).circle
+    >>> scene = viz.Scene()
+    >>> viz.add_theta(scene, circle)
+    >>> 1 < scene.aspect < 3
+    True
     """
     mesh, angles = corner_angles(circle, part)
     scene.add_periodic(mesh, angles, colormap=colormap)
@@ -190,6 +198,12 @@ def periodic_gallery(
     ------
     RenderError
         If there is nothing to draw.
+
+    Examples
+    --------
+    >>> circle = gw.foliate(gw.smoothest_field(gw.shapes.torus(faces=400))).circle
+    >>> viz.periodic_gallery([viz.Periodic(circle, "theta")], width=200).pixels.shape[1]
+    200
     """
     foot = FOOT if any(panel.coloured or panel.dots for panel in panels) else 0
     figure = grid(

@@ -115,6 +115,13 @@ def projections(
     Beside each edge lie the projections of the vectors on its two sides (teal and ochre), each from the foot
     of the vector's tail to the foot of its tip. They are equally long where the curl vanishes (Eq. 3).
     Without a view one looks along the normal of the vertex.
+
+    Examples
+    --------
+    >>> plate = viz.projections(gw.smoothest_field(gw.shapes.sphere(faces=320)), vertex=5)
+    >>> vectors, left, right = plate.arrows
+    >>> len(vectors.points) == len(left.points) == len(right.points)
+    True
     """
     if view is None:
         x, y, z = field.mesh.vertex_normals[vertex]

@@ -46,6 +46,12 @@ def plates(
     ------
     RenderError
         If there is nothing to draw, or the plates of a row have different scales.
+
+    Examples
+    --------
+    >>> plate = viz.Plate(gw.shapes.disk(faces=100), "a disk", edges=True)
+    >>> viz.plates([plate, plate], width=400).pixels.shape[1]
+    400
     """
     if not panels:
         raise RenderError("a figure of plates needs at least one plate")

@@ -53,6 +53,17 @@ def publish(
         If the name is not a plain word.
     OutputError
         If a file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from unittest import mock
+    >>> chart = viz.drop_chart([viz.Drop("Cow", 20.0, 7.0)])
+    >>> with tempfile.TemporaryDirectory() as folder, mock.patch.dict(os.environ, GEOWEAVE_FIGURES=folder):
+    ...     _ = viz.publish("cow", chart)
+    ...     sorted(os.listdir(folder))
+    ...
+    ['cow.json', 'cow.png']
     """
     if not name.isidentifier():
         raise RenderError(f"'{name}' cannot name a figure: use letters, digits and underscores")
@@ -74,7 +85,14 @@ def publish(
 def provenance(
     name: str, params: Mapping[str, Any], inputs: Mapping[str, TriMesh], profile: str
 ) -> dict[str, Any]:
-    """What a figure was made from, as values for JSON."""
+    """What a figure was made from, as values for JSON.
+
+    Examples
+    --------
+    >>> record = viz.provenance("fig07", {"share": np.float64(0.1)}, {}, "default")
+    >>> record["parameters"], record["profile"]
+    ({'share': 0.1}, 'default')
+    """
     return {
         "figure": name,
         "profile": profile,
@@ -89,7 +107,15 @@ def provenance(
 
 
 def mesh_digest(mesh: TriMesh) -> str:
-    """SHA-256 of the vertex coordinates and the faces, little-endian."""
+    """SHA-256 of the vertex coordinates and the faces, little-endian.
+
+    Examples
+    --------
+    >>> sphere = gw.shapes.sphere(faces=80)
+    >>> moved = gw.TriMesh(sphere.vertices + 1e-9, sphere.faces)
+    >>> len(viz.mesh_digest(sphere)), viz.mesh_digest(sphere) == viz.mesh_digest(moved)
+    (64, False)
+    """
     digest = hashlib.sha256()
     digest.update(np.ascontiguousarray(mesh.vertices, dtype="<f8").tobytes())
     digest.update(np.ascontiguousarray(mesh.faces, dtype="<i8").tobytes())

@@ -82,7 +82,14 @@ class Sprung:
 
 
 def at_rest(relaxed: Relaxed) -> Rods:
-    """Put a relaxed weave back on its design by the rigid motion that its departure is measured by."""
+    """Put a relaxed weave back on its design by the rigid motion that its departure is measured by.
+
+    Examples
+    --------
+    >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8), rounds=1)
+    >>> bool(np.allclose(viz.at_rest(rest).points, rest.departure.points))
+    True
+    """
     rods, design = relaxed.left.rods, relaxed.slid.rods
     rotation, shift = rigid_fit(rods.points, design.points, vertex_weights(rods))
     return replace(
@@ -117,6 +124,13 @@ def rod_gallery(
     ------
     RenderError
         If there is nothing to draw, or values without a scale.
+
+    Examples
+    --------
+    >>> surface = gw.shapes.cone(faces=400)
+    >>> rods = gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)).rods
+    >>> viz.rod_gallery([viz.Sprung(rods, surface, "a cone", view="cone")], width=200).alt
+    'Ribbons as elastic rods: a cone'
     """
     figure = grid(
         [panel.scene(scale) for panel in panels],

@@ -37,18 +37,37 @@ class Scale:
 
 
 def heat_scale(values: Scalars, label: str, percentile: float = 98.0) -> Scale:
-    """Scale of magnitudes on a pale surface, from zero to a percentile of the given values."""
+    """Scale of magnitudes on a pale surface, from zero to a percentile of the given values.
+
+    Examples
+    --------
+    >>> viz.heat_scale(np.arange(101.0), "distance", percentile=90).high
+    90.0
+    """
     high = float(np.percentile(values, percentile))
     return Scale(style.heat(), 0.0, high if high > 0 else 1.0, label)
 
 
 def factor_scale(high: float, label: str = "integrating factor s") -> Scale:
-    """Scale of a positive factor from zero to ``high``, dark where it is large."""
+    """Scale of a positive factor from zero to ``high``, dark where it is large.
+
+    Examples
+    --------
+    >>> viz.factor_scale(2.0).label
+    'integrating factor s'
+    """
     return Scale(style.heat(), 0.0, high, label)
 
 
 def deviation_scale(high: float = 30.0) -> Scale:
-    """Scale of the angle between level sets and field: black where they are aligned, as in Fig. 15."""
+    """Scale of the angle between level sets and field: black where they are aligned, as in Fig. 15.
+
+    Examples
+    --------
+    >>> scale = viz.deviation_scale(30.0)
+    >>> scale.low, scale.high
+    (0.0, 30.0)
+    """
     return Scale(style.shade(), 0.0, high, "angle between level sets and field (degrees)")
 
 
@@ -59,6 +78,11 @@ def energy_scale(values: Sequence[Scalars], unit: str, percentile: float = 98.0)
     ------
     RenderError
         If no value is positive.
+
+    Examples
+    --------
+    >>> viz.energy_scale([np.arange(101.0)], "N").high
+    98.0
     """
     high = float(np.percentile(np.concatenate(list(values)), percentile))
     if not high > 0:

@@ -110,6 +110,15 @@ def deviation_panel(result: Integration, lines: Curves, view: View | str) -> Sha
     result : the method's theta
     lines : streamlines of the field
     view : where from
+
+    Examples
+    --------
+    >>> from geoweave import comparisons
+    >>> field = gw.smoothest_field(gw.shapes.torus(faces=400))
+    >>> result = comparisons.integrated(field, "ours", 2.0)
+    >>> panel = viz.deviation_panel(result, gw.streamlines(field, separation=0.3), "torus")
+    >>> [family.label for family in panel.families]
+    ['streamlines of the field', 'level sets of θ']
     """
     fit, mesh = result.alignment, result.part.whole
     angle = np.full(mesh.n_faces, np.nan)
@@ -152,6 +161,13 @@ def shaded_gallery(
     ------
     RenderError
         If there is nothing to draw.
+
+    Examples
+    --------
+    >>> sphere = gw.shapes.sphere(faces=80)
+    >>> panel = viz.Shaded(sphere, sphere.barycenters[:, 2], title="height", view="sphere")
+    >>> viz.shaded_gallery([panel], viz.factor_scale(1.0), width=200).alt
+    'Shaded surfaces: height'
     """
     figure = grid(
         [panel.scene(scale) for panel in panels],

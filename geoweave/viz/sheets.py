@@ -25,7 +25,13 @@ PALE = 0.42
 
 
 def sheet_colours(degree: int) -> tuple[str, ...]:
-    """One colour for each sheet: a hue for each family, paler on the sheet of the opposite vector."""
+    """One colour for each sheet: a hue for each family, paler on the sheet of the opposite vector.
+
+    Examples
+    --------
+    >>> viz.sheet_colours(4)
+    ('#3f7d8c', '#d9a441', ..., ...)
+    """
     families = degree // 2 if degree % 2 == 0 else degree
     full = [style.FAMILIES[k % len(style.FAMILIES)] for k in range(families)]
     pale = [_lighter(colour, PALE) for colour in full]
@@ -33,7 +39,13 @@ def sheet_colours(degree: int) -> tuple[str, ...]:
 
 
 def sheet_names(degree: int) -> tuple[str, ...]:
-    """Names of the sheets: A, B, C, -A, -B, -C of Fig. 16."""
+    """Names of the sheets: A, B, C, -A, -B, -C of Fig. 16.
+
+    Examples
+    --------
+    >>> viz.sheet_names(6)
+    ('A', 'B', 'C', '−A', '−B', '−C')
+    """
     letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
     if degree % 2:
         return tuple(letters[:degree])
@@ -51,6 +63,13 @@ def sheet_arrows(
     length : of an arrow
     shown : (N F',) faces of the cover that get an arrow, all by default
     width : of the shaft; a ninth of the length by default
+
+    Examples
+    --------
+    >>> cover = gw.weave_field(gw.shapes.cone(faces=200)).cover
+    >>> arrows = viz.sheet_arrows(cover, length=0.1)
+    >>> sum(len(each.points) for each in arrows) == cover.mesh.n_faces
+    True
     """
     vectors = length * cover.field.ambient
     keep = np.ones(cover.mesh.n_faces, dtype=bool) if shown is None else shown
@@ -71,6 +90,13 @@ def family_lines(cover: Cover, curves: Curves, width: float = 1.6) -> list[Lines
     ------
     RenderError
         If the curves do not lie on the cover.
+
+    Examples
+    --------
+    >>> field = gw.weave_field(gw.shapes.cone(faces=200))
+    >>> curves = gw.streamlines(field.cover.field, separation=0.3)
+    >>> [lines.label for lines in viz.family_lines(field.cover, curves)]
+    ['A', 'B', 'C']
     """
     if curves.mesh is not cover.mesh:
         raise RenderError("the lines lie on another mesh than the cover's: draw them before projecting")
@@ -89,6 +115,13 @@ def cut_edges(cover: Cover) -> tuple[Indices, Indices]:
     -------
     edges : (n,) edges of the cover's mesh
     sheets : (n, 2) sheet of the face on either side, in the order of `TriMesh.edge_faces`
+
+    Examples
+    --------
+    >>> cover = gw.weave_field(gw.shapes.cone(faces=200)).cover
+    >>> edges, sheets = viz.cut_edges(cover)
+    >>> bool((sheets[:, 0] != sheets[:, 1]).all())
+    True
     """
     sheets = cover.combed[cover.mesh.edge_faces[cover.mesh.interior_edges]]
     torn = sheets[:, 0] != sheets[:, 1]
@@ -116,6 +149,12 @@ def rosy_scene(
     rosy : the N-RoSy
     view : where from, or the name of a model in `VIEWS`
     spacing, thickness : of the rosettes and radius of their bars, in bounding radii
+
+    Examples
+    --------
+    >>> scene = viz.rosy_scene(gw.smoothest_rosy(gw.shapes.sphere(faces=320), degree=4), "sphere")
+    >>> 0.9 < scene.aspect < 1.1
+    True
     """
     scene, mesh = Scene(view_of(view)), rosy.mesh
     scene.add_surface(mesh, crease=35.0)
@@ -146,6 +185,14 @@ def theta_scene(cover: Cover, foliation: Foliation, view: View | str, *, sheet: 
     ------
     RenderError
         If the foliation is not one of the cover.
+
+    Examples
+    --------
+    >>> field = gw.weave_field(gw.shapes.torus(faces=400))
+    >>> design = field.pattern(scale=0.8).design
+    >>> theta = field.cover.quotient.lifted(design.foliation)
+    >>> 1 < viz.theta_scene(field.cover, theta, "torus").aspect < 3
+    True
     """
     if foliation.part.whole is not cover.mesh:
         raise RenderError("the foliation is not one of the cover: lift it from the quotient first")
@@ -173,6 +220,12 @@ def stacked_sheets(
     rise : distance between sheets
     flatten : factor on heights within a sheet, so that sheets do not hide one another
     thickness : radius of the bars
+
+    Examples
+    --------
+    >>> cover = gw.weave_field(gw.shapes.cone(faces=200)).cover
+    >>> viz.stacked_sheets(cover, viz.View(), rise=2.0).aspect < 1
+    True
     """
     scene, mesh, colours = Scene(view), cover.mesh, sheet_colours(cover.degree)
     lift, squeeze = np.array([0.0, 0.0, rise]), np.array([1.0, 1.0, flatten])

@@ -60,7 +60,15 @@ class Panel:
 
 
 def curvature_scale(panels: Sequence[Panel], percentile: float = 95.0) -> Scale:
-    """One scale for the bending of all curves, ``|k_g|`` times bounding radius; clamped at a percentile."""
+    """One scale for the bending of all curves, ``|k_g|`` times bounding radius; clamped at a percentile.
+
+    Examples
+    --------
+    >>> field = gw.smoothest_field(gw.shapes.sphere(faces=320))
+    >>> scale = viz.curvature_scale([viz.Panel("a", gw.streamlines(field, separation=0.4))])
+    >>> scale.low < scale.high
+    True
+    """
     values = [_bending(panel.curves) for panel in panels if panel.curves is not None]
     weights = [panel.curves.segment_lengths for panel in panels if panel.curves is not None]
     if not values:
@@ -74,7 +82,16 @@ def curvature_scale(panels: Sequence[Panel], percentile: float = 95.0) -> Scale:
 
 
 def curl_scale(panels: Sequence[Panel], percentile: float = 98.0) -> Scale:
-    """One scale for the signed values on all surfaces, centred at zero, clamped at a percentile."""
+    """One scale for the signed values on all surfaces, centred at zero, clamped at a percentile.
+
+    Examples
+    --------
+    >>> field = gw.smoothest_field(gw.shapes.sphere(faces=320))
+    >>> panel = viz.Panel("curl", mesh=field.mesh, face_values=gw.signed_curl(field))
+    >>> scale = viz.curl_scale([panel])
+    >>> scale.low == -scale.high
+    True
+    """
     size = np.concatenate([np.abs(panel.face_values) for panel in panels if panel.face_values is not None])
     high = rounded_up(float(np.percentile(size, percentile)))
     label = f"signed curl (clamped at the {percentile:g}th percentile)"
@@ -109,6 +126,13 @@ def streamline_gallery(
     ------
     RenderError
         If there is nothing to draw.
+
+    Examples
+    --------
+    >>> field = gw.smoothest_field(gw.shapes.sphere(faces=320))
+    >>> panel = viz.Panel("smooth", gw.streamlines(field, separation=0.4), view="sphere")
+    >>> viz.streamline_gallery([panel], width=200).alt
+    'Streamlines on smooth'
     """
     if not panels:
         raise RenderError("a gallery needs at least one panel")

@@ -71,6 +71,12 @@ def colouring(weave: Weave, count: int | None = None) -> Indices:
     Returns
     -------
     (n,) colour of each ribbon, from 0
+
+    Examples
+    --------
+    >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
+    >>> set(viz.colouring(woven).tolist()) <= {0, 1, 2}
+    True
     """
     number = count or max(3, int(weave.families.max()) + 1)
     pairs = weave.ribbons.crossings.curves
@@ -162,6 +168,12 @@ def weave_gallery(
     ------
     RenderError
         If there is nothing to draw.
+
+    Examples
+    --------
+    >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
+    >>> viz.weave_gallery([viz.Woven(woven, "a cone", view="cone")], width=200).alt
+    'Weaves: a cone'
     """
     return gallery(
         [panel.scene() for panel in panels],

@@ -51,7 +51,7 @@ def weave(
     >>> surface = gw.shapes.cone(faces=400)
     >>> picture = viz.weave(gw.weave_pattern(surface, ribbons=8), on=surface, width=200)
     >>> picture.pixels.shape[1], picture.alt
-    (200, 'A weave of 8 ribbons on its surface')
+    (200, 'A weave of 10 ribbons on its surface')
     """
     drawn = woven_scene(woven, on, view)
     design = woven.weave if isinstance(woven, Relaxed) else woven

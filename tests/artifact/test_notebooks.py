@@ -5,12 +5,14 @@ import base64
 import re
 import tomllib
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook, new_output, new_raw_cell
 
+import geoweave
 from geoweave.artifact import notebooks
 from geoweave.artifact.notebooks import NotebookError
 
@@ -46,6 +48,38 @@ def texts(value: Any) -> list[str]:
     if isinstance(value, dict):
         return [text for key, each in value.items() if key != "image/png" for text in texts(each)]
     return []
+
+
+def missing(sources: list[str]) -> list[str]:
+    """Names of this package that a notebook asks for and that do not exist, in order of the alphabet."""
+    known: dict[str, str] = {}
+    for source in sources:
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.Import):
+                known |= {
+                    each.asname or each.name: each.name for each in node.names if each.name == "geoweave"
+                }
+            elif isinstance(node, ast.ImportFrom) and node.module == "geoweave":
+                known |= {each.asname or each.name: f"geoweave.{each.name}" for each in node.names}
+    wanted = set(known.values())
+    for source in sources:
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.Attribute):
+                head, _, rest = ast.unparse(node).partition(".")
+                if head in known and all(part.isidentifier() for part in rest.split(".")):
+                    wanted.add(f"{known[head]}.{rest}")
+    found = []
+    for name in wanted:
+        value: Any = geoweave
+        for part in name.split(".")[1:]:
+            # only names of modules are looked up: what a value has is seen when the notebook runs
+            if not isinstance(value, ModuleType):
+                break
+            if not hasattr(value, part):
+                found.append(name)
+                break
+            value = getattr(value, part)
+    return sorted(found)
 
 
 class TestTheReaders:
@@ -101,6 +135,23 @@ class TestTheReaders:
         assert notebooks.published(example(*cells)) == ["fig08", "fig09"]
         with pytest.raises(NotebookError, match="as a literal"):
             notebooks.published(example(new_code_cell("viz.publish(name, scene)")))
+
+    def test_imports_go_through_the_faces(self) -> None:
+        allowed = (
+            "import geoweave as gw\nfrom geoweave import comparisons, viz\nfrom geoweave.viz import Panel"
+        )
+        assert not notebooks.deep_imports(example(new_code_cell(allowed)))
+        wrong = "import geoweave.fields.rosy\nif 1:\n    from geoweave.weave import Weave"
+        assert notebooks.deep_imports(example(new_code_cell(wrong))) == [
+            "geoweave.fields.rosy",
+            "geoweave.weave",
+        ]
+
+    def test_names_that_are_not_there_are_found(self) -> None:
+        source = (
+            "import geoweave as gw\nfrom geoweave import viz, nothing\ngw.fields.solve(viz.Panel, viz.panel)"
+        )
+        assert missing([source]) == ["geoweave.fields.solve", "geoweave.nothing", "geoweave.viz.panel"]
 
     def test_settled_keeps_the_results_and_drops_the_run(self) -> None:
         source = example(new_code_cell("print(1)\n2", id="c", metadata={"tags": ["t"], "collapsed": True}))
@@ -187,6 +238,12 @@ class TestEveryNotebook:
                 assert not isinstance(node, DEFINITIONS)
                 if isinstance(node, (ast.Assign, ast.AnnAssign, ast.NamedExpr)):
                     assert not isinstance(node.value, ast.Lambda)
+
+    def test_imports_the_package_by_its_faces(self, name: str) -> None:
+        assert not notebooks.deep_imports(notebooks.read(ROOT / "notebooks" / f"{name}.ipynb"))
+
+    def test_asks_for_nothing_that_is_not_there(self, name: str) -> None:
+        assert not missing(code_of(name))
 
     def test_is_short(self, name: str) -> None:
         lines = [line for source in code_of(name) for line in source.splitlines()]
