@@ -36,6 +36,7 @@ def loaded(program: str) -> set[str]:
     [
         ("import geoweave", {"geoweave", "lazy_loader"}),
         ("import geoweave.viz", {"geoweave", "lazy_loader"}),
+        ("import geoweave.artifact.doctor", {"geoweave", "lazy_loader"}),
         (COMMAND.format(arguments=["--version"]), {"geoweave", "lazy_loader", "click"}),
         (COMMAND.format(arguments=["--help"]), {"geoweave", "lazy_loader", "click"}),
         (COMMAND.format(arguments=["weave", "--help"]), {"geoweave", "lazy_loader", "click"}),
@@ -45,6 +46,15 @@ def loaded(program: str) -> set[str]:
 def test_what_is_loaded(program: str, allowed: set[str]) -> None:
     assert loaded(program) <= allowed
     assert "geoweave" in loaded(program)
+
+
+@pytest.mark.parametrize("module", ["doctor", "figures"])
+def test_what_looks_after_the_figures_draws_and_solves_nothing(module: str) -> None:
+    program = f"import sys, geoweave.artifact.{module}; print('loaded:', *sys.modules)"
+    names = printed(program)
+    assert f"geoweave.artifact.{module}" in names
+    heavy = {"numpy", "scipy", "numba", "pandas", "matplotlib", "pyvista", "vtk"}
+    assert not {name for name in names if name.split(".")[0] in heavy or name.startswith("geoweave.viz.")}
 
 
 def slow(modules: str) -> list[str]:

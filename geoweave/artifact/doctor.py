@@ -17,8 +17,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
 from geoweave.errors import DataError, RenderError
-from geoweave.models import datasets
-from geoweave.sparse import factorization
 
 PACKAGES = (
     "geoweave",
@@ -203,6 +201,8 @@ def data_states() -> dict[str, str]:
     DataError
         if GEOWEAVE_DATA_DIR names no folder.
     """
+    from geoweave.models import datasets
+
     states = {}
     for name in datasets.names():
         here = datasets.available(name)
@@ -225,6 +225,8 @@ def examine() -> Diagnosis:
         advice.append(str(error))
     if not rendering.works:
         advice.append(rendering.remedy)
+    from geoweave.sparse import factorization
+
     if factorization.HAS_METIS:
         ordering = "SuperLU, ordered by METIS nested dissection"
     else:

@@ -14,6 +14,7 @@ from geoweave.arrays import Indices
 from geoweave.errors import RenderError
 from geoweave.rods import Rods
 from geoweave.surface import TriMesh
+from geoweave.viz.picture import palette_of, with_palette
 from geoweave.viz.rods import Sprung
 from geoweave.viz.scene import Pixels, Scene
 from geoweave.viz.views import View
@@ -69,17 +70,8 @@ class Film:
         drawn = self.frames()
         seen = np.concatenate([each[::3, ::3].reshape(-1, 3) for each in drawn])
         seen = seen[(seen < 255).any(axis=1)]
-        palette = Image.fromarray(seen[None]).quantize(COLOURS - 1, method=Image.Quantize.MEDIANCUT)
-        chosen = (palette.getpalette() or [])[: 3 * (COLOURS - 1)]
-        colours = [*chosen, *[0] * (3 * (COLOURS - 1) - len(chosen)), 255, 255, 255]
-        palette.putpalette(colours)
-        images = []
-        for each in drawn:
-            index = np.array(Image.fromarray(each).quantize(palette=palette, dither=Image.Dither.NONE))
-            index[(each == 255).all(axis=2)] = COLOURS - 1  # the ground stays white
-            image = Image.fromarray(index)
-            image.putpalette(colours)
-            images.append(image)
+        palette = palette_of(seen, COLOURS)
+        images = [with_palette(each, palette, COLOURS, Image.Dither.NONE) for each in drawn]
         times = [self.rest if k in (0, len(images) - 1) else self.step for k in range(len(images))]
         buffer = io.BytesIO()
         first, *others = images

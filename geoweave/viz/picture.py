@@ -25,9 +25,6 @@ from geoweave.viz import style
 COLOURS = 256
 """Colours in the palette of a published PNG; more do not show, and cost three times the bytes."""
 
-WHITE = COLOURS - 1
-"""Place of white in the palette."""
-
 
 INLINE_WIDTH, INLINE_BYTES = 1100, 300_000
 """Pixels across, and size, of a picture within a notebook."""
@@ -65,11 +62,7 @@ class Picture:
         if width is not None and width < image.width:
             image = image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS)
         palette = self._palette(image)
-        index = np.array(image.quantize(palette=palette, dither=Image.Dither.FLOYDSTEINBERG))
-        # Pillow looks colours up in steps of eight, and so takes an off-white for white.
-        index[(np.asarray(image) == 255).all(axis=2)] = WHITE
-        held = Image.fromarray(index)
-        held.putpalette(palette.getpalette() or [])
+        held = with_palette(np.asarray(image), palette, COLOURS, Image.Dither.FLOYDSTEINBERG)
         buffer = io.BytesIO()
         held.save(buffer, format="PNG", optimize=True)
         return buffer.getvalue()
@@ -121,16 +114,33 @@ class Picture:
             seen = np.concatenate([seen, np.repeat(ramp, times, axis=0)])
         if not len(seen):
             seen = np.zeros((1, 3), dtype=np.uint8)
-        palette = Image.fromarray(seen[None]).quantize(COLOURS - 1, method=Image.Quantize.MEDIANCUT)
-        chosen = (palette.getpalette() or [])[: 3 * WHITE]
-        palette.putpalette([*chosen, *[0] * (3 * WHITE - len(chosen)), 255, 255, 255])
-        return palette
+        return palette_of(seen, COLOURS)
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
         return {
             "image/png": self.png_within(INLINE_BYTES, INLINE_WIDTH),
             "text/plain": f"Picture({self.alt!r})",
         }
+
+
+def palette_of(seen: NDArray[np.uint8], count: int) -> Image.Image:
+    """Choose so many colours for the colours (N, 3) that are seen; the last one is white."""
+    palette = Image.fromarray(seen[None]).quantize(count - 1, method=Image.Quantize.MEDIANCUT)
+    chosen = (palette.getpalette() or [])[: 3 * (count - 1)]
+    palette.putpalette([*chosen, *[0] * (3 * (count - 1) - len(chosen)), 255, 255, 255])
+    return palette
+
+
+def with_palette(
+    pixels: NDArray[np.uint8], palette: Image.Image, count: int, dither: Image.Dither
+) -> Image.Image:
+    """Give every pixel a colour of a palette; white stays white, the last of its colours."""
+    index = np.array(Image.fromarray(pixels).quantize(palette=palette, dither=dither))
+    # Pillow looks colours up in steps of eight, and so takes an off-white for white.
+    index[(pixels == 255).all(axis=2)] = count - 1
+    held = Image.fromarray(index)
+    held.putpalette(palette.getpalette() or [])
+    return held
 
 
 def sheet(width: int, height: int) -> Figure:

@@ -152,10 +152,7 @@ def shaded_gallery(
     ----------
     panels : what to draw; the order is kept
     scale : what the colours of all panels mean
-    columns : panels in a row; all in one row if not given
-    width : pixels across the figure; a narrower one is the same figure, smaller
-    tallest : height that no panel exceeds, in pixels of a figure of full width
-    alt : one sentence that says what is to be seen
+    columns, width, tallest, alt : as of `gallery`
 
     Raises
     ------

@@ -114,13 +114,10 @@ def streamline_gallery(
     Parameters
     ----------
     panels : what to draw; the order is kept
-    columns : panels in a row; all in one row if not given
     percentile : share in percent of the curves' length below the end of the colour bar
     limit : end of the colour bar, in place of the percentile
     share : the separation of the streamlines as a share of the bounding radius, which sets their thickness
-    width : pixels across the figure; a narrower one is the same figure, smaller
-    tallest : height that no model exceeds, in pixels of a figure of full width
-    alt : one sentence that says what is to be seen
+    columns, width, tallest, alt : as of `gallery`
 
     Raises
     ------

@@ -7,29 +7,14 @@ from functools import cache
 
 import numpy as np
 import pytest
+from pictures import ring
 
 from geoweave import viz
 from geoweave.errors import RenderError
 from geoweave.models import shapes
-from geoweave.rods.rods import Contacts, Layout, Material, Rods
+from geoweave.rods.rods import Contacts
 from geoweave.viz.solids import ribbon_bodies
 from geoweave.weave.design import Weave, weave_pattern
-
-
-def ring(n: int = 24, width: float = 0.2, thickness: float = 0.05) -> Rods:
-    """A closed rod round the unit circle, thickness outwards, and a straight one across it on top."""
-    turn = 2 * np.pi * np.arange(n) / n
-    circle = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
-    middle = turn + np.pi / n
-    outwards = np.column_stack([np.cos(middle), np.sin(middle), 0 * turn])
-    bar = np.column_stack([np.full(5, np.cos(np.pi / n)), np.full(5, np.sin(np.pi / n)), [-2, -1, 0.0, 1, 2]])
-    points = np.concatenate([circle, bar])
-    layout = Layout(np.array([0, n, n + 5]), np.array([True, False]))
-    lengths = np.linalg.norm(points[layout.ends[:, 1]] - points[layout.ends[:, 0]], axis=1)
-    directors = np.concatenate([outwards, np.tile(outwards[0], (4, 1))])
-    contacts = Contacts(np.array([[0, n + 2]]), np.array([[0.5, 0.0]]), np.array([1]))
-    widths = np.full(layout.segments, width)
-    return Rods(layout, points, directors, widths, lengths, contacts, Material(thickness))
 
 
 def none_at_all() -> Contacts:
