@@ -121,9 +121,7 @@ def trace(
     g: Ground, q: Samples, count: int, out: Buffer, face: int, place: complex, sign: float, line: int,
     gauge: Scalars,
 ) -> tuple[int, int, bool]:  # fmt: skip
-    """Follow ``sign`` times the field from a place; fill the buffer.
-
-    ``gauge`` holds the lengths that `_advance` reads.
+    """Follow ``sign`` times the field from a place and fill the buffer; ``gauge`` is that of `_advance`.
 
     Returns
     -------

@@ -194,12 +194,7 @@ def foliate(
     >>> bool((np.diff(foliation.energies) <= 0).all()), len(gw.isolines(foliation)) > 2
     (True, True)
     """
-    if not (np.isfinite(scale) and scale > 0):
-        raise FieldError(f"the scale of a foliation must be a positive number, not {scale}")
-    if alternations < 1:
-        raise FieldError(f"a foliation needs one alternation or more, not {alternations}")
-    if weighting not in ("relative", "uniform"):
-        raise FieldError(f"there is no weighting '{weighting}': relative or uniform")
+    _check(scale, alternations, weighting)
     w, part = punctured(field)
     ordering = ordering or vertices_and_faces(w.mesh)
     first = _first_factor(w, part, rescaling, ordering)
@@ -210,14 +205,29 @@ def foliate(
         z = problem.start(seed)
         found = _alternated(problem, z, s, alternations, tolerance, hold_s, callback)
     circle = CircleFunction.nearest(w.mesh, found.theta, edge_prediction(w, found.s))
-    wanted, got = (np.average(each, weights=w.mesh.face_areas) for each in (found.s, np.abs(circle.gradient)))
+    _check_frequency(circle, found.s)
+    changes = tuple(found.theta_changes), tuple(found.s_changes)
+    return Foliation(w, part, frozen(found.s), circle, tuple(found.energies), *changes)
+
+
+def _check(scale: float, alternations: int, weighting: str) -> None:
+    if not (np.isfinite(scale) and scale > 0):
+        raise FieldError(f"the scale of a foliation must be a positive number, not {scale}")
+    if alternations < 1:
+        raise FieldError(f"a foliation needs one alternation or more, not {alternations}")
+    if weighting not in ("relative", "uniform"):
+        raise FieldError(f"there is no weighting '{weighting}': relative or uniform")
+
+
+def _check_frequency(circle: CircleFunction, s: Scalars) -> None:
+    """Refuse a theta that turns much more slowly than s asks for."""
+    areas = circle.mesh.face_areas
+    wanted, got = (np.average(each, weights=areas) for each in (s, np.abs(circle.gradient)))
     if got < LEAST_FREQUENCY * wanted:
         raise FieldError(
             "the level sets would lie farther apart than the surface is wide, so theta is nearly constant; "
             "ask for a larger scale"
         )
-    changes = tuple(found.theta_changes), tuple(found.s_changes)
-    return Foliation(w, part, frozen(found.s), circle, tuple(found.energies), *changes)
 
 
 @dataclass
