@@ -1,4 +1,4 @@
-// The page: one step at a time, and where the maker was.
+// The page: it shows one step at a time, and remembers where the maker was.
 "use strict";
 
 (function guide() {
@@ -89,7 +89,7 @@
     const strip = step.strip === undefined ? (step.kind === "start" ? plan.order[0] : plan.order[plan.order.length - 1]) : step.strip;
     const there = new Set(plan.order.slice(0, step.number));
     if (step.kind === "done") plan.order.forEach((each) => there.add(each));
-    // Crossings that are fastened: those of strips before, and of this one so far.
+    // Crossings that are fastened already: those of earlier strips, and those of this strip up to this step.
     const fixed = (r) => new Set(plan.passages[r].filter((each) => each.partner !== r || there.has(r))
       .filter((each) => there.has(each.partner) && there.has(r)).map((each) => each.crossing));
     const done = fixed(strip), now = new Set();
@@ -232,7 +232,7 @@
       const end = tag.kind === "asked" ? { x, y: y - 18 } : space.seen(out);
       const centre = space.mark && tag.kind !== "asked" ? space.seen(space.mark.point) : null;
       if (centre) {
-        // Clear of the ring.
+        // The name stands clear of the ring that marks the crossing.
         const dx = end.x - centre.x || 1, dy = end.y - centre.y, far = Math.hypot(dx, dy), wanted = Math.max(far, 44);
         end.x = centre.x + dx / far * wanted;
         end.y = centre.y + dy / far * wanted;

@@ -1,4 +1,4 @@
-// The weave in space: ribbons with width and thickness, what is there, what is next, and where.
+// The weave in space: ribbons with width and thickness, which of them are woven, and which crossing is next.
 "use strict";
 
 const VERTEX = `
@@ -12,7 +12,7 @@ void main() {
   gl_Position = projectionMatrix * seen;
 }`;
 
-// place: along the ribbon, across it from -1 to 1, and 1 outside, -1 inside, 0 on the edges.
+// place: length along the ribbon; -1 to 1 across it; 1 on its outer face, -1 on its inner face, 0 on its edges.
 const FRAGMENT = `
 uniform vec3 colour; uniform vec3 ground; uniform vec2 haze;
 uniform float width; uniform float reach; uniform float quiet; uniform float arrows; uniform float glow;
@@ -115,7 +115,7 @@ class Space {
     this.scene.add(this.ring);
   }
 
-  // A rectangle swept along the way, four sides with their own normals.
+  // A rectangle swept along the centreline; each of its four sides has normals of its own.
   solid(way, closed) {
     const { width, thickness } = this.content, count = way.count, total = 8 * count;
     const position = new Float32Array(3 * total), normal = new Int8Array(4 * total), place = new Float32Array(3 * total);
@@ -179,7 +179,7 @@ class Space {
     });
   }
 
-  // Where a strip is at a length, which way is out and which ahead.
+  // Point of a strip at a length along it, with the directions outwards and ahead.
   spot(strip, at) {
     const way = this.ways[strip];
     let k = 1;
@@ -234,7 +234,7 @@ class Space {
     return { ...this.spot(strip, Math.min(Math.max(there, 0), length)), text: label, kind };
   }
 
-  // Turn the weave until the place is in front, by as little as that takes.
+  // Turn the weave by the smallest angle that brings a place to the front.
   turnTo(step, all) {
     if (all) { this.back(); return; }
     const strip = this.plan.strips[step.strip];
@@ -260,7 +260,7 @@ class Space {
 
   front() { return new THREE.Vector3(0.55, -0.75, 0.36).normalize().applyMatrix4(this.axes); }
 
-  // How far away all of the weave is in view from a direction.
+  // Distance from which the whole weave is in view, seen from a direction.
   fit(direction) {
     const tall = 0.95 * Math.tan(this.camera.fov * Math.PI / 360), wide = tall * this.camera.aspect;
     const out = direction || this.front(), right = new THREE.Vector3().crossVectors(this.upward, out);
@@ -283,7 +283,7 @@ class Space {
     this.dirty = true;
   }
 
-  // Back to all of it, until the maker comes nearer.
+  // Show the whole weave again, until the maker zooms in.
   back() {
     this.free = false;
     this.fly({ direction: this.front(), distance: this.fit(), target: this.middle });
@@ -397,13 +397,13 @@ class Space {
     const d = this.direction;
     camera.up.copy(this.upward);
     const high = d.dot(this.upward);
-    // From above or below what was ahead is up.
+    // Seen from straight above or below, "up" is replaced by the direction that was ahead.
     if (Math.abs(high) > 0.995) camera.up.copy(this.upward).multiplyScalar(0.1 * Math.sign(high) + high).sub(d).multiplyScalar(Math.sign(high));
     camera.position.copy(this.target).addScaledVector(d, this.distance);
     camera.lookAt(this.target);
     camera.near = Math.max(this.distance - 1.6 * this.radius - this.target.distanceTo(this.middle), 0.02 * this.distance);
     camera.far = this.distance + 2 * this.radius + this.target.distanceTo(this.middle);
-    // Beside the second view, not behind it.
+    // The main view leaves room for the second view beside it.
     const aside = this.mark && this.lens ? 0.4 * this.lens()[2] : 0;
     camera.setViewOffset(wide, tall, aside, 0, wide, tall);
     camera.updateMatrixWorld();

@@ -1,4 +1,4 @@
-// The steps and their words. Knows the pattern, no page.
+// The steps of the assembly and the sentences that say them. This part knows the pattern and no page.
 "use strict";
 
 function planned(content) {
@@ -19,7 +19,7 @@ function planned(content) {
   const firstOf = strips.map(() => 0), numberOf = strips.map(() => 0);
   content.order.forEach(([strip, backbone, fixed], number) => {
     const now = new Set(fixed), last = new Map();
-    // Where a strip crosses itself, it does so at the later of the two places.
+    // A strip that crosses itself can be woven there only when its later place is reached.
     passages[strip].forEach((each) => now.has(each.crossing) && last.set(each.crossing, each));
     const met = [...last.values()].sort((one, two) => one.at - two.at);
     const common = { strip, number, backbone: backbone === 1, met };
@@ -45,7 +45,7 @@ function many(count, one) {
   return count === 1 ? `one ${one}` : `${count.toLocaleString("en")} ${one}s`;
 }
 
-// What a step says: where, the sentence as parts of text and tags, and facts of [strip, text].
+// What a step says: its place, a sentence as parts of text and tags, and facts as pairs [strip, text].
 function worded(step, plan, content) {
   const strip = plan.strips[step.strip];
   const name = (r) => ({ strip: r });

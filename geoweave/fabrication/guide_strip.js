@@ -1,4 +1,4 @@
-// Strips as they are cut: drawings unpacked, and belts on which they pass.
+// Strips as they are cut: their drawings are unpacked here, and shown in windows that move along them.
 "use strict";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -63,7 +63,7 @@ class Belt {
     this.box.addEventListener("scroll", () => this.window(), { passive: true });
   }
 
-  // Show a strip about a passage; of its crossings some are done, some are now, the others come later.
+  // Show a strip near one of its crossings. Crossings are done, being done now, or still to come.
   show(strip, passage, done, now) {
     const fresh = strip !== this.strip;
     if (fresh) this.draw(strip);
