@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import base64
+
 import numpy as np
 import pytest
+from laidflat import cone
 
 from geoweave.errors import FieldError
+from geoweave.fabrication.glb import ribbon_bodies as fabrication_bodies, solid_ribbons
+from geoweave.fabrication.guide_payload import shape
+from geoweave.viz.solids import ribbon_bodies as picture_bodies
 from geoweave.weave.body import CLEAR, Body, Centreline, bodies
 
 WIDTH, THICK = 4.0, 0.5
@@ -101,3 +107,24 @@ def test_refusals(wrong: dict[str, float]) -> None:
     none = np.zeros((0, 2), dtype=np.int64), np.zeros((0, 2)), np.zeros(0, dtype=np.int64)
     with pytest.raises(FieldError, match=f"the {next(iter(wrong))} of a ribbon in space"):
         bodies([line([(0, 0, 0), (9, 0, 0)])], *none, **{"width": 1.0, "thickness": 0.1, **wrong})
+
+
+def test_glb_guide_and_pictures_draw_the_same_body() -> None:
+    weave = cone()
+    glb = fabrication_bodies(weave)
+    unit = weave.placement.scale
+    # On a faceted surface pictures take smooth normals, so a lift may lean by some degrees of its height.
+    near = 0.25 * weave.thickness * unit
+    for drawn, body in zip(picture_bodies(weave), glb, strict=True):
+        assert drawn.closed == body.closed
+        np.testing.assert_allclose(unit * drawn.at, body.at, atol=1e-9 * body.at[-1])
+        np.testing.assert_allclose(weave.placement.undo(drawn.centre), body.centre, atol=near)
+        assert (unit * drawn.width, unit * drawn.thickness) == pytest.approx((body.width, body.thickness))
+    packed = shape(weave, weave.names)
+    low, step = np.array(packed["low"]), packed["unit"]
+    places = low + step * np.frombuffer(base64.b64decode(packed["places"]), dtype="<u2").reshape(-1, 3)
+    centres = np.concatenate([body.centre for body in glb])
+    np.testing.assert_allclose(places, centres, atol=0.5 * step + 1e-6)
+    for body, solid in zip(glb, solid_ribbons(weave), strict=True):
+        corners = {tuple(each) for each in np.round(body.corners.reshape(-1, 3), 9) + 0.0}
+        assert {tuple(each) for each in np.round(solid.vertices, 9) + 0.0} == corners
