@@ -24,7 +24,7 @@ import numpy as np
 
 from benchmarks.memory import peak_gigabytes
 from geoweave.errors import GeoweaveError
-from geoweave.meshing.prepare import Prepared, RepairReport, evened, read_mesh
+from geoweave.meshing import Prepared, RepairReport, evened, read_mesh
 from geoweave.models import catalogue, datasets
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.validity import violations

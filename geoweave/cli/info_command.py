@@ -64,6 +64,7 @@ def info(
         "mean_edge": mesh.mean_edge,
         "bounding_box": [low.tolist(), high.tolist()],
         "repairs": report.as_dict(),
+        "notes": list(report.notes),
     }
     if output is not None:
         result["output"] = output

@@ -1,11 +1,11 @@
 from .prepare import (
     Components as Components,
     Prepared as Prepared,
-    RepairReport as RepairReport,
     evened as evened,
     prepare_arrays as prepare_arrays,
     read_mesh as read_mesh,
     remeshed as remeshed,
 )
 from .remesh import isotropic_remesh as isotropic_remesh
+from .report import RepairReport as RepairReport
 from .write import check_format as check_format, write_mesh as write_mesh

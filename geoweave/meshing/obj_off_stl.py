@@ -11,42 +11,34 @@ import re
 import warnings
 from collections.abc import Callable
 from itertools import chain, islice
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geoweave.arrays import Indices, Triangles, Vectors
+from geoweave.arrays import Indices, Vectors
 from geoweave.errors import MeshError
+from geoweave.meshing.polygons import RawMesh, triangulated
 
 _POINT = re.compile(rb"^[ \t]*v(?!\S)(.*)$", re.MULTILINE)
 _POLYGON = re.compile(rb"^[ \t]*f(?!\S)(.*)$", re.MULTILINE)
+_OFF_WORD = re.compile(rb"\s*(?:ST|st)?[Cc]?(?:N|n(?=off))?(4n?|n)?(?:OFF|off|Off)")
+_STL_SOLID = re.compile(
+    rb"^([ \t]*(?:end)?solid\b)((?:(?!\bfacet\s+normal\s+(?:[-+.\d]|nan|inf))[^\n])*)", re.MULTILINE
+)
+_STL_MOST = 2**31
+"""A count above this was never filled in."""
+
+_STL_NAME = 80
+"""Bytes of the header of a binary STL file before the count."""
+
 _STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-
-
-class RawMesh(NamedTuple):
-    """What a file says: ``vertices`` (V, 3) and ``faces`` (F, 3), unchecked; F = 0 for a point cloud."""
-
-    vertices: Vectors
-    faces: Triangles
-
-
-def fan_triangles(corners: Indices, counts: Indices) -> Triangles:
-    """Cut polygons into triangles that share the polygon's first corner.
-
-    ``corners`` holds the vertices of all polygons one after another, ``counts`` (P,) how many each has.
-    """
-    counts = np.asarray(counts, dtype=np.int64)
-    pieces = np.maximum(counts - 2, 0)
-    start = np.repeat(np.cumsum(counts) - counts, pieces)
-    step = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    return np.stack([corners[start], corners[start + step + 1], corners[start + step + 2]], axis=1)
 
 
 def read_obj(data: bytes) -> RawMesh:
     """Read the vertices and polygons of a Wavefront OBJ file; texture, normals and groups are left out."""
     text = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").replace(b"\\\n", b"  ")
-    text = re.sub(rb"#[^\n]*", b"", text)
+    text = _without_comments(text)
     points, polygons = _POINT.findall(text), _POLYGON.findall(text)
     if not points:
         raise MeshError("it has no vertex lines ('v x y z')")
@@ -83,79 +75,155 @@ def read_obj(data: bytes) -> RawMesh:
             f"it seems cut short: its last line has no end, and {unused} of {len(vertices)} vertices "
             "belong to no face; get the whole file, or end the last line if it is meant so"
         )
-    return RawMesh(vertices, fan_triangles(index, counts))
+    return RawMesh(vertices, triangulated(vertices, index, counts))
 
 
 def read_off(data: bytes) -> RawMesh:
-    """Read an OFF file, also with normals, colours or texture coordinates (NOFF, COFF, STOFF), as text."""
-    lines = re.sub(rb"#[^\r\n]*", b"", data).splitlines()
-    rows = [words for words in map(bytes.split, lines) if words]
-    head = re.match(rb"(?:ST)?C?N?OFF\b", rows[0][0]) if rows else None
-    if head is None:
-        raise MeshError("it does not begin with the word OFF")
-    if rows[0][1:] and rows[0][1].upper() == b"BINARY":
-        raise MeshError("it is a binary OFF file; save it as text, or as PLY")
-    first = 1 if len(rows[0]) == 1 else 0  # the counts may follow on the same line
+    """Read an OFF file, also with normals, colours or texture coordinates (NOFF, COFF, STOFF), as text.
+
+    Each vertex and each face has a line of its own. A file without such extras may instead break its lines
+    anywhere. The word OFF may be missing, written small, or followed by the counts at once.
+    """
+    # ModelNet's files have the counts directly behind the word.
+    text = _OFF_WORD.sub(lambda word: word[0] + b" ", _without_comments(data), count=1)
+    lines = enumerate(text.splitlines(), start=1)
+    rows = [(number, words) for number, line in lines if (words := line.split())]
+    flow = _after_the_word_off(list(chain.from_iterable(words for _, words in rows)))
+    counts = _parsed(flow[:2], np.int64)
+    if counts is None or len(counts) < 2:
+        raise MeshError("the numbers of vertices and faces are missing after the word OFF")
+    n_vertices, n_faces = counts.tolist()
+    if n_vertices < 0 or n_faces < 0:
+        raise MeshError(f"it announces {n_vertices} vertices and {n_faces} faces")
+    alone = len(rows[0][1]) == 1  # the word stands on a line of its own
     try:
-        n_vertices, n_faces = (int(word) for word in rows[first][1 - first :][:2])
-    except (IndexError, ValueError) as error:
-        raise MeshError("the numbers of vertices and faces are missing after the word OFF") from error
-    body = rows[first + 1 :]
-    if n_vertices < 0 or n_faces < 0 or len(body) < n_vertices + n_faces:
+        return _off_by_lines(rows[2 if alone else 1 :], n_vertices, n_faces)
+    except MeshError:
+        free = _off_as_a_flow(flow, n_vertices, n_faces)
+        if free is None:
+            raise
+        return free
+
+
+def _after_the_word_off(words: list[bytes]) -> list[bytes]:
+    """The words of an OFF file behind its first one, which may be missing; refuse other kinds of OFF."""
+    word = _OFF_WORD.fullmatch(words[0]) if words else None
+    if word is None:
+        if _parsed(words[:1], np.int64) is not None and words:
+            return words
+        raise MeshError("it does not begin with the word OFF")
+    if word[1]:
+        raise MeshError(
+            "its vertices have another number of coordinates than three (4OFF, nOFF); save it as OFF"
+        )
+    if words[1:] and words[1].upper() == b"BINARY":
+        raise MeshError("it is a binary OFF file; save it as text, or as PLY")
+    return words[1:]
+
+
+def _off_by_lines(body: list[tuple[int, list[bytes]]], n_vertices: int, n_faces: int) -> RawMesh:
+    """Read a line for each vertex and each face; what follows on a line (normals, colours) is left out."""
+    if len(body) < n_vertices + n_faces:
         raise MeshError(
             f"it announces {n_vertices} vertices and {n_faces} faces, but has {len(body)} lines "
             "for them (cut short)"
         )
     points, polygons = body[:n_vertices], body[n_vertices : n_vertices + n_faces]
-
-    def line_of(row: int) -> int:
-        return [number for number, line in enumerate(lines, start=1) if line.strip()][first + 1 + row]
-
-    vertices = _coordinates([words[:3] for words in points], line_of)
-    counts = _integers([words[:1] for words in polygons], lambda row: line_of(n_vertices + row))
-    present = np.array([len(words) - 1 for words in polygons], dtype=np.int64)
+    vertices = _coordinates([words[:3] for _, words in points], lambda row: points[row][0])
+    counts = _integers([words[:1] for _, words in polygons], lambda row: polygons[row][0])
+    present = np.array([len(words) - 1 for _, words in polygons], dtype=np.int64)
     if (counts < 3).any() or (present < counts).any():
         row = int(np.flatnonzero((counts < 3) | (present < counts))[0])
         raise MeshError(
-            f"line {line_of(n_vertices + row)}: a face announces {counts[row]} vertices and names "
+            f"line {polygons[row][0]}: a face announces {counts[row]} vertices and names "
             f"{present[row]}, and it needs three or more"
         )
-    names = [words[1 : 1 + count] for words, count in zip(polygons, counts.tolist(), strict=True)]
-    corners = _integers(names, lambda row: line_of(n_vertices + row))
-    return RawMesh(vertices, fan_triangles(corners, counts))
+    names = [words[1 : 1 + count] for (_, words), count in zip(polygons, counts.tolist(), strict=True)]
+    corners = _integers(names, lambda row: polygons[row][0])
+    return RawMesh(vertices, triangulated(vertices, corners, counts))
+
+
+def _off_as_a_flow(words: list[bytes], n_vertices: int, n_faces: int) -> RawMesh | None:
+    """Read words broken into lines anywhere; None if they are not just the counts, vertices and faces."""
+    body = words[3:]
+    if len(words) < 3 or len(body) < 3 * n_vertices + 4 * n_faces:
+        return None
+    vertices = _parsed(body[: 3 * n_vertices], np.float64)
+    rest = _parsed(body[3 * n_vertices :], np.int64)
+    if vertices is None or rest is None:
+        return None
+    starts, counts, at = [], [], 0
+    for _ in range(n_faces):
+        if at >= len(rest) or not 3 <= rest[at] < len(rest) - at:
+            return None
+        starts.append(at + 1)
+        counts.append(int(rest[at]))
+        at += 1 + counts[-1]
+    if at != len(rest):
+        return None
+    chosen = [np.arange(start, start + count) for start, count in zip(starts, counts, strict=True)]
+    corners = rest[np.concatenate(chosen)] if chosen else np.zeros(0, dtype=np.int64)
+    points = vertices.reshape(-1, 3)
+    return RawMesh(points, triangulated(points, corners, np.array(counts, dtype=np.int64)))
 
 
 def read_stl(data: bytes) -> RawMesh:
-    """Read an STL file, binary or text: three vertices per triangle, none shared."""
-    announced = int.from_bytes(data[80:84], "little") if len(data) >= 84 else -1
-    expected = 84 + announced * _STL_TRIANGLE.itemsize
-    # a binary file may begin with the word "solid" too, so its length decides
+    """Read an STL file, binary or text: three vertices per triangle, none shared.
+
+    A binary file may hold more than its header announces. Bytes that make up whole triangles are triangles,
+    any others are left out, and a note says so. A file that holds less is cut short, unless its count was
+    never filled in.
+    """
+    size, head = _STL_TRIANGLE.itemsize, 84
+    announced = int.from_bytes(data[80:84], "little") if len(data) >= head else -1
+    expected = head + announced * size
+    # A binary file may begin with the word "solid" too, so its length decides.
     if announced >= 0 and len(data) == expected:
-        return _separate(np.frombuffer(data, _STL_TRIANGLE, offset=84)["corners"].astype(np.float64))
-    text = data.lower()
-    if text.lstrip().startswith(b"solid") and b"facet" in text:
+        return _stl_triangles(data, announced)
+    text = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").lower()
+    if text.lstrip().startswith(b"solid") and b"facet" in text and b"\x00" not in text[:_STL_NAME]:
         return _read_stl_text(text)
     if announced < 0:
         raise MeshError("it is shorter than the header of an STL file")
+    held, left = divmod(len(data) - head, size)
+    if left == 0 and (held > announced or announced > _STL_MOST) and held:
+        note = f"its header announces {announced:,} triangles; all {held:,} that it holds were read"
+        return _stl_triangles(data, held, note)
+    if 0 < announced <= held:
+        note = f"{len(data) - expected:,} bytes after its {announced:,} triangles were left out"
+        return _stl_triangles(data, announced, note)
     raise MeshError(
         f"its header announces {announced} triangles ({expected} bytes), but the file has {len(data)} bytes"
     )
 
 
+def _stl_triangles(data: bytes, count: int, *notes: str) -> RawMesh:
+    """The first triangles of a binary STL file."""
+    rows = np.frombuffer(data, _STL_TRIANGLE, count=count, offset=84)
+    return _separate(rows["corners"].astype(np.float64), *notes)
+
+
 def _read_stl_text(text: bytes) -> RawMesh:
-    if b"endsolid" not in text[text.rfind(b"facet") :]:
+    # The name of the model may hold any words; they are blanked, so that places in the text stay.
+    body = _STL_SOLID.sub(lambda match: match[1] + b" " * len(match[2]), text)
+    if b"endsolid" not in body[body.rfind(b"facet") :]:
         raise MeshError("it ends before the line 'endsolid' (cut short)")
-    rows = [words.split() for words in re.findall(rb"\bvertex\b([^\r\n]*)", text)]
-    facets = len(re.findall(rb"\bfacet\s+normal\b", text))
+    rows = [words.split() for words in re.findall(rb"\bvertex\b([^\n]*)", body)]
+    facets = len(re.findall(rb"\bfacet\s+normal\b", body))
     if len(rows) != 3 * facets:
         raise MeshError(f"it has {facets} facets, but {len(rows)} vertices instead of {3 * facets}")
-    places = [match.start() for match in re.finditer(rb"\bvertex\b", text)]
+    places = [match.start() for match in re.finditer(rb"\bvertex\b", body)]
     return _separate(_coordinates(rows, lambda row: _line(text, places[row])).reshape(-1, 3, 3))
 
 
-def _separate(corners: Vectors) -> RawMesh:
+def _separate(corners: Vectors, *notes: str) -> RawMesh:
+    """Triangles that share no vertex."""
     vertices = corners.reshape(-1, 3)
-    return RawMesh(vertices, np.arange(len(vertices), dtype=np.int64).reshape(-1, 3))
+    return RawMesh(vertices, np.arange(len(vertices), dtype=np.int64).reshape(-1, 3), notes)
+
+
+def _without_comments(text: bytes) -> bytes:
+    return re.sub(rb"#[^\r\n]*", b"", text)
 
 
 def _line(text: bytes, position: int) -> int:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geoweave.arrays import Indices, Vectors
+from geoweave.arrays import Indices, Triangles, Vectors
 from geoweave.compiled import compiled
 from geoweave.errors import MeshError
-from geoweave.meshing.obj_off_stl import RawMesh, fan_triangles
+from geoweave.meshing.polygons import RawMesh, triangulated
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2",
@@ -44,6 +45,7 @@ def read_ply(data: bytes) -> RawMesh:
     order, elements, body = _read_header(data)
     source = _Tokens(data[body:]) if order == "=" else _Bytes(data[body:], order)
     vertices, corners, counts = None, np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64)
+    strips: list[Triangles] = []
     for element in elements:
         source.require(element)
         if element.name == "vertex":
@@ -51,23 +53,40 @@ def read_ply(data: bytes) -> RawMesh:
         elif element.name == "face":
             corners, counts = source.polygons(element)
         elif element.name == "tristrips" and element.rows:
-            raise MeshError("it holds triangle strips, which are not read")
+            strips.append(_strip_triangles(*source.polygons(element)))
         else:
             source.skip(element)
     if vertices is None:
         raise MeshError("its header announces no vertices")
     if (counts < 3).any():
         raise MeshError(f"face {int(np.flatnonzero(counts < 3)[0])} has fewer than three vertices")
-    return RawMesh(vertices, fan_triangles(corners, counts))
+    return RawMesh(vertices, np.concatenate([triangulated(vertices, corners, counts), *strips]))
+
+
+def _strip_triangles(corners: Indices, counts: Indices) -> Triangles:
+    """Triangles of strips: three corners in a row each, every second one turned; -1 begins a new strip."""
+    ends = np.zeros(len(corners) + 1, dtype=bool)
+    ends[np.cumsum(counts)] = True
+    strip = np.cumsum(ends[:-1] | (corners == -1))
+    # The place in its own strip decides which way a triangle turns.
+    begin = np.searchsorted(strip, strip) + (corners[np.searchsorted(strip, strip)] == -1)
+    place = np.arange(len(corners)) - begin
+    a, b, c = corners[:-2], corners[1:-1], corners[2:]
+    whole = (strip[:-2] == strip[2:]) & (a != -1)
+    turned = place[:-2] % 2 == 1
+    triangles = np.stack([np.where(turned, b, a), np.where(turned, a, b), c], axis=1)[whole]
+    return triangles[(triangles != np.roll(triangles, 1, axis=1)).all(axis=1)]
 
 
 def _read_header(data: bytes) -> tuple[_Order, list[_Element], int]:
     """Byte order ("=" for text), elements, and where the data begin."""
-    end = data.find(b"end_header")
-    if not data.startswith(b"ply") or end < 0:
+    last = re.search(rb"[\r\n]end_header[ \t]*(\r\n|\n|\r|$)", data)
+    if not data.startswith(b"ply") or last is None:
         raise MeshError("it does not begin with a PLY header from 'ply' to 'end_header'")
-    body = data.find(b"\n", end) + 1
-    if body == 0:
+    end, body = last.start(), last.end()
+    if last[1] == b"\r\n" and not data.startswith(b"ply\r\n"):
+        body -= 1  # lines end with a carriage return alone; the next byte belongs to the data
+    if not last[1]:
         raise MeshError("it ends with its header")
     order: _Order | None = None
     elements: list[_Element] = []

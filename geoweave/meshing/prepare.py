@@ -6,7 +6,7 @@ on the unit of the model or on where it lies.
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from os import PathLike
 from typing import Literal
 
@@ -17,6 +17,7 @@ from geoweave.arrays import Flags, Indices, Triangles, Vectors
 from geoweave.errors import MeshError
 from geoweave.meshing import repairs
 from geoweave.meshing.read import read_arrays, shown
+from geoweave.meshing.report import RepairReport, number, place
 from geoweave.surface import TriMesh
 
 Components = Literal["keep", "largest"]
@@ -36,59 +37,6 @@ FEWEST = 2_000
 COARSEST, FINEST = 4_000, 10_000
 """A surface remeshed for a weave gets this many triangles on its largest component, at least; and this many
 in all, at most."""
-
-_SENTENCES = {
-    "unreferenced_vertices": "dropped {} that no face uses",
-    "welded_vertices": "welded {} to another at the same place",
-    "degenerate_faces": "dropped {} without area",
-    "flipped_edges": "flipped {} to take a face without area away",
-    "duplicate_faces": "dropped {} with the vertices of another",
-    "dropped_components": "left out {} smaller than the largest",
-    "cut_edges": "cut {} shared by more than two faces",
-    "turned_faces": "turned {} over",
-    "split_vertices": "added {} where separate fans of faces met in one",
-    "remeshed_from": "remeshed, from {}",
-}
-_PLURALS = {"vertices": "vertex", "faces": "face", "edges": "edge", "components": "component", "from": "face"}
-
-
-@dataclass(frozen=True)
-class RepairReport:
-    """How often each repair was needed; all zero for a mesh taken as it was.
-
-    Attributes
-    ----------
-    unreferenced_vertices : vertices in no face, dropped
-    welded_vertices : vertices joined with another at the same place
-    degenerate_faces : faces with a repeated vertex or without area, dropped
-    flipped_edges : edges flipped to take a face without area away and leave no slit
-    duplicate_faces : faces with the vertices of another, dropped
-    dropped_components : components left out because only the largest was asked for
-    cut_edges : edges shared by more than two faces, cut apart because that was asked for
-    turned_faces : faces turned over, to agree with their neighbours or to face outwards
-    split_vertices : vertices added where separate fans of faces met in one
-    remeshed_from : number of faces before remeshing; 0 when not remeshed
-    """
-
-    unreferenced_vertices: int = 0
-    welded_vertices: int = 0
-    degenerate_faces: int = 0
-    flipped_edges: int = 0
-    duplicate_faces: int = 0
-    dropped_components: int = 0
-    cut_edges: int = 0
-    turned_faces: int = 0
-    split_vertices: int = 0
-    remeshed_from: int = 0
-
-    def as_dict(self) -> dict[str, int]:
-        """Return the counts by name, zeros too."""
-        return asdict(self)
-
-    def sentences(self) -> list[str]:
-        """Say in words what was done, one entry per kind of repair that was needed."""
-        done = ((key, n) for key, n in self.as_dict().items() if n)
-        return [_SENTENCES[key].format(_number(n, _PLURALS[key.split("_")[1]])) for key, n in done]
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +77,9 @@ def read_mesh(
     raw = read_arrays(path)
     name = shown(path)
     prepared = prepare_arrays(raw.vertices, raw.faces, components=components, cut=cut, name=name)
+    if raw.notes:
+        report = replace(prepared.report, notes=(*raw.notes, *prepared.report.notes))
+        prepared = replace(prepared, report=report)
     return prepared if faces is None else remeshed(prepared, faces, name=name)
 
 
@@ -246,7 +197,7 @@ def prepare_arrays(
     if len(one_sided):
         raise MeshError(
             f"{name}: {len(one_sided)} faces form a one-sided surface like a Moebius strip (first: face at "
-            f"{_place(points[triangles[one_sided[0]]])}); cut it open across the strip in a mesh editor"
+            f"{place(points[triangles[one_sided[0]]])}); cut it open across the strip in a mesh editor"
         )
     turned ^= repairs.inside_out(points, _turned(triangles, turned), edges)
     count["turned_faces"] = int(turned.sum())
@@ -279,8 +230,8 @@ def _check_edges(points: Vectors, edges: repairs.Edges, origin: Indices, name: s
     if len(shared):
         a, b = shared[0]
         raise MeshError(
-            f"{name}: {_number(len(shared), 'edge')} {'is' if len(shared) == 1 else 'are'} shared by more "
-            f"than two faces (first: vertices {origin[a]}, {origin[b]} at {_place(points[[a, b]])}); "
+            f"{name}: {number(len(shared), 'edge')} {'is' if len(shared) == 1 else 'are'} shared by more "
+            f"than two faces (first: vertices {origin[a]}, {origin[b]} at {place(points[[a, b]])}); "
             "split them in a mesh editor, or cut the surface apart there with --repair"
         )
 
@@ -390,11 +341,3 @@ def _check_soup(component: Indices, name: str) -> None:
             f"{name}: {single:,} of its {len(component):,} triangles touch no other (a soup of unconnected "
             "triangles); merge its vertices by distance in a mesh editor"
         )
-
-
-def _place(points: Vectors) -> str:
-    return "(" + ", ".join(f"{x:.6g}" for x in points.mean(axis=0)) + ")"
-
-
-def _number(n: int, noun: str) -> str:
-    return f"{n:,} {noun}" if n == 1 else f"{n:,} {'vertice' if noun == 'vertex' else noun}s"

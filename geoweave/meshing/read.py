@@ -5,24 +5,31 @@ from __future__ import annotations
 import logging
 import stat
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
-from io import StringIO
+from io import BytesIO, StringIO
 from os import PathLike
 from pathlib import Path
 
 import numpy as np
 
 from geoweave.errors import MeshError
-from geoweave.meshing.obj_off_stl import RawMesh, read_obj, read_off, read_stl
+from geoweave.meshing.contents import PACKED, UNREAD, kind_of, plain_text, unpacked
+from geoweave.meshing.obj_off_stl import read_obj, read_off, read_stl
+from geoweave.meshing.polygons import RawMesh
 
-_PACKED = {"gz", "bz2", "xz", "zst", "zip", "7z", "tar", "tgz"}
+_OWN = {"obj": "", "off": "", "stl": "solid", "ply": "ply", "3mf": ""}
+"""The formats read here, and the word that their text begins with where there is also a binary form."""
+
+_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
+"""Extensions of glTF that compress triangles; trimesh reads none of them."""
 
 
 def read_arrays(path: str | PathLike[str]) -> RawMesh:
     """Read the vertices and triangles that a file holds, without mending anything.
 
-    OBJ, OFF, PLY and STL are read here; any other format goes through trimesh. The extension decides.
+    OBJ, OFF, PLY, STL and 3MF are read here; any other format goes through trimesh. The ending decides. A
+    file packed by gzip, bzip2, xz or zip is unpacked first.
 
     Raises
     ------
@@ -44,15 +51,16 @@ def read_arrays(path: str | PathLike[str]) -> RawMesh:
     if status.st_size == 0:
         raise MeshError(f"{name}: the file is empty; export the mesh again")
 
-    kind = file.suffix.lower().removeprefix(".")
+    kind = kind_of(file)
     try:
         with _quiet():
-            return _reader(kind, name)(file)
+            return _read(file, kind)
     except MeshError as error:
         text = str(error)
         if text.startswith(f"{name}: "):
             raise
-        raise MeshError(f"{name}: cannot be read as {kind.upper()}: {text}; export the mesh again") from None
+        remedy = "" if ";" in text else "; export the mesh again"
+        raise MeshError(f"{name}: cannot be read as {kind.upper()}: {text}{remedy}") from None
     except OSError as error:
         reason = _brief(error.strerror or error)
         raise MeshError(f"{name}: cannot be read ({reason}); check the file and its permissions") from None
@@ -69,38 +77,66 @@ def shown(path: str | PathLike[str]) -> str:
     return "".join(letter if letter.isprintable() else "?" for letter in str(path))
 
 
-def _reader(kind: str, name: str) -> Callable[[Path], RawMesh]:
-    if kind == "obj":
-        return lambda file: read_obj(file.read_bytes())
-    if kind == "off":
-        return lambda file: read_off(file.read_bytes())
-    if kind == "stl":
-        return lambda file: read_stl(file.read_bytes())
-    if kind == "ply":
-        from geoweave.meshing.ply import read_ply  # numba takes half a second to import
+def _read(file: Path, kind: str) -> RawMesh:
+    """Read a file by its ending, after unpacking it where it is packed."""
+    if kind in PACKED:
+        return _parse(*unpacked(file, _is_mesh_format))
+    if kind in UNREAD:
+        raise MeshError("a packed file of this kind is not unpacked here; unpack it first")
+    if not _is_mesh_format(kind):
+        raise MeshError("this is no mesh format we read; save it as OBJ, OFF, PLY or STL")
+    return _parse(file.read_bytes() if kind in _OWN else file, kind)
 
-        return lambda file: read_ply(file.read_bytes())
-    if kind in _PACKED:
-        raise MeshError(f"{name}: is a packed file; unpack it first")
+
+def _parse(source: bytes | Path, kind: str) -> RawMesh:
+    """Read the bytes of a file of an own format, or any other file by its path or bytes."""
+    if kind not in _OWN:
+        if not _is_mesh_format(kind):
+            raise MeshError(
+                f"what it holds ('.{kind}') is no mesh format we read; save it as OBJ, OFF, PLY or STL"
+            )
+        return _read_with_trimesh(source, kind)
+    assert isinstance(source, bytes)
+    if not source:
+        raise MeshError("the mesh file in it is empty")
+    if kind == "3mf":
+        from geoweave.meshing.threemf import read_3mf
+
+        return read_3mf(source)
+    data = plain_text(source, _OWN[kind])
+    if kind == "ply":
+        from geoweave.meshing.ply import read_ply
+
+        return read_ply(data)
+    return {"obj": read_obj, "off": read_off, "stl": read_stl}[kind](data)
+
+
+def _is_mesh_format(kind: str) -> bool:
+    if kind in _OWN:
+        return True
     import trimesh
 
-    if kind not in trimesh.exchange.load.mesh_formats():
-        raise MeshError(f"{name}: '.{kind}' is no mesh format we read; save it as OBJ, OFF, PLY or STL")
-    return _read_with_trimesh
+    return kind in trimesh.exchange.load.mesh_formats()
 
 
-def _read_with_trimesh(file: Path) -> RawMesh:
+def _read_with_trimesh(source: bytes | Path, kind: str) -> RawMesh:
     """Read through trimesh, with the parts of a scene where the scene places them."""
     import trimesh
 
-    scene = trimesh.load_scene(str(file.absolute()), process=False, skip_materials=True)
+    if kind in ("glb", "gltf"):
+        data = source if isinstance(source, bytes) else source.read_bytes()
+        for name in _COMPRESSED:
+            if name.encode() in data:
+                raise MeshError(f"its triangles are compressed ({name}); export it without compression")
+    given = str(source.absolute()) if isinstance(source, Path) else BytesIO(source)
+    scene = trimesh.load_scene(given, file_type=kind, process=False, skip_materials=True)
     vertices, faces, offset = [np.empty((0, 3))], [np.empty((0, 3), dtype=np.int64)], 0
     for node in scene.graph.nodes_geometry:
         placement, name = scene.graph[node]
         part = scene.geometry[name]
         points = np.asarray(part.vertices, dtype=np.float64)
         if points.shape[1] != 3:
-            raise MeshError("it holds a flat drawing, not a surface")
+            raise MeshError("it holds a flat drawing, not a surface; export a surface")
         vertices.append(points @ placement[:3, :3].T + placement[:3, 3])
         if hasattr(part, "faces"):
             faces.append(np.asarray(part.faces, dtype=np.int64) + offset)

@@ -3,14 +3,7 @@ import pytest
 from meshfiles import encode, octahedron
 
 from geoweave.errors import MeshError
-from geoweave.meshing.obj_off_stl import fan_triangles, read_obj, read_off, read_stl
-
-
-def test_fan_triangles_of_mixed_polygons():
-    corners = np.array([7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8])
-    triangles = fan_triangles(corners, np.array([3, 5, 4]))
-    expected = [[7, 8, 9], [0, 1, 2], [0, 2, 3], [0, 3, 4], [5, 6, 7], [5, 7, 8]]
-    assert triangles.tolist() == expected
+from geoweave.meshing.obj_off_stl import read_obj, read_off, read_stl
 
 
 @pytest.mark.parametrize(("kind", "reader"), [("obj", read_obj), ("off", read_off)])
@@ -54,9 +47,9 @@ def test_obj_texture_normals_comments_continuation_and_line_ends():
 
 def test_off_with_counts_on_the_first_line_comments_and_colours():
     text = b"COFF 4 2 0 # counts\n\n0 0 0 255 0 0 255\n1 0 0 1 1 1 1\n1 1 0 1 1 1 1\n# rest\n0 1 0 1 1 1 1\n"
-    text += b"4 0 1 2 3 9 9 9\n3 0 1 2\n"
+    text += b"4 0 1 2 3 9 9 9\n3 0 1 3\n"
     raw = read_off(text)
-    assert raw.faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 2]]
+    assert raw.faces.tolist() == [[0, 1, 2], [0, 2, 3], [0, 1, 3]]
     assert raw.vertices[3].tolist() == [0, 1, 0]
 
 
@@ -100,3 +93,71 @@ def test_refusals_name_the_line(reader, text, message):
     with pytest.raises(MeshError) as caught:
         reader(text)
     assert message in str(caught.value)
+
+
+CUBE = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n"
+SIDES = "4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 1 2 6 5\n4 2 3 7 6\n4 3 0 4 7\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        f"OFF\n8 6 12\n{CUBE}{SIDES}",
+        f"OFF 8 6 12\n{CUBE}{SIDES}",
+        f"OFF8 6 12\n{CUBE}{SIDES}",
+        f"off\n8 6 12\n{CUBE}{SIDES}",
+        f"Off\n8 6\n{CUBE}{SIDES}",
+        f"8 6 12\n{CUBE}{SIDES}",
+        f"OFF\n8\n6\n12\n{CUBE}{SIDES}",
+        " ".join(f"OFF 8 6 12 {CUBE}{SIDES}".split()),
+        "\n".join(f"OFF 8 6 12 {CUBE}{SIDES}".split()),
+        f"# made by hand\n\nOFF # a cube\n8 6 12\n{CUBE}{SIDES}",
+        f"noff\n8 6 12\n{CUBE}{SIDES}",
+    ],
+)
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_off_files_in_all_their_dresses(text, end):
+    raw = read_off(text.replace("\n", end).encode())
+    assert (len(raw.vertices), len(raw.faces)) == (8, 12)
+    corners = raw.vertices[raw.faces]
+    assert np.linalg.det(corners).sum() / 6 == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (f"4OFF\n8 6 12\n{CUBE}{SIDES}", "4OFF"),
+        (f"OFF BINARY\n{CUBE}", "binary OFF"),
+        ("OFF\n8 six 12\n", "numbers of vertices and faces are missing"),
+        ("OFF", "numbers of vertices and faces are missing"),
+        (f"OFF\n8 6 12\n{CUBE}{SIDES}"[:-12], "cut short"),
+        (" ".join(f"OFF 8 6 12 {CUBE}{SIDES}".split())[:-4], "cut short"),
+        (f"OFF\n8 6 12\n{CUBE}{SIDES}".replace("4 1 2", "4 1 x"), "line 14: .*'1 x 6 5'"),
+    ],
+)
+def test_other_off_files_are_refused_with_their_reason(text, says):
+    with pytest.raises(MeshError, match=says):
+        read_off(text.encode())
+
+
+@pytest.mark.parametrize("name", ["facet", "vertex 1 2", "endsolid facet", "my facet normal vertex"])
+def test_the_name_of_an_stl_model_may_hold_any_word(name):
+    text = encode("stl-text", *octahedron()).decode().splitlines()
+    text[0], text[-1] = f"solid {name}", f"endsolid {name}"
+    assert len(read_stl("\n".join(text).encode()).faces) == 8
+
+
+@pytest.mark.parametrize(
+    ("change", "faces", "note"),
+    [
+        (lambda data: data + b"made by hand", 8, "12 bytes after its 8 triangles were left out"),
+        (lambda data: data[:80] + b"\x05\0\0\0" + data[84:], 8, "announces 5 triangles; all 8"),
+        (lambda data: data[:80] + b"\0\0\0\0" + data[84:], 8, "announces 0 triangles; all 8"),
+        (lambda data: data[:80] + b"\xff\xff\xff\xff" + data[84:], 8, "all 8 that it holds"),
+    ],
+)
+def test_a_binary_stl_with_a_wrong_count_or_more_bytes_is_read_with_a_note(change, faces, note):
+    raw = read_stl(change(encode("stl", *octahedron())))
+    assert len(raw.faces) == faces
+    assert len(raw.notes) == 1
+    assert note in raw.notes[0]

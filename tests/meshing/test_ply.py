@@ -4,6 +4,8 @@ from meshfiles import encode, octahedron
 
 from geoweave.errors import MeshError
 from geoweave.meshing.ply import read_ply
+from geoweave.meshing.prepare import prepare_arrays
+from geoweave.meshing.report import RepairReport
 
 
 @pytest.mark.parametrize("kind", ["ply", "ply-little", "ply-big"])
@@ -47,9 +49,9 @@ def test_mixed_polygons_and_other_properties(order):
 def test_mixed_polygons_as_text():
     text = b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
     text += b"element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-    text += b"0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 2 1 0\n"
-    assert read_ply(text).faces.tolist() == [[0, 1, 2], [0, 2, 3], [2, 1, 0]]
-    assert read_ply(text.replace(b"\n", b"\r\n")).faces.tolist() == [[0, 1, 2], [0, 2, 3], [2, 1, 0]]
+    text += b"0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 3 2 1\n"
+    assert read_ply(text).faces.tolist() == [[0, 1, 2], [0, 2, 3], [3, 2, 1]]
+    assert read_ply(text.replace(b"\n", b"\r\n")).faces.tolist() == [[0, 1, 2], [0, 2, 3], [3, 2, 1]]
 
 
 @pytest.mark.parametrize("cut", range(1, 60, 4))
@@ -69,7 +71,6 @@ def test_a_file_cut_anywhere_is_refused(order, cut):
         (b"property double z", b"property double w", "lack x, y or z"),
         (b"element vertex 6", b"element vertex -6", "line 4 of its header"),
         (b"vertex_indices", b"corners", "no list 'vertex_indices'"),
-        (b"element face", b"element tristrips", "triangle strips"),
         (b"\n3 0", b"\n2 0", "fewer than three"),
         (b"\n3 0", b"\n3 0.5", "not a whole number"),
         (b"\n3 0", b"\n3 nan", "not a whole number"),
@@ -85,3 +86,48 @@ def test_refusals(old, new, message):
     assert old in data
     with pytest.raises(MeshError, match=message):
         read_ply(data.replace(old, new, 1))
+
+
+def strip_file(*rows):
+    text = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+    text += f"element tristrips {len(rows)}\nproperty list int int vertex_indices\nend_header\n"
+    text += "0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+    return (text + "".join(f"{len(row)} {' '.join(map(str, row))}\n" for row in rows)).encode()
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        [[0, 2, 1, 3, 0, 2]],
+        [[0, 2, 1, 3], [1, 3, 0, 2]],
+        [[0, 2, 1, 3, -1, 1, 3, 0, 2]],
+        [[-1, 0, 2, 1, 3, -1, -1, 1, 3, 0, 2, -1]],
+    ],
+)
+def test_triangle_strips_turn_every_second_triangle(rows):
+    """A tetrahedron as one strip or two, separated by rows or by -1; all faces look outwards."""
+    raw = read_ply(strip_file(*rows))
+    assert len(raw.faces) == 4
+    assert np.linalg.det(raw.vertices[raw.faces] - 0.25).sum() / 6 == pytest.approx(1 / 6)
+    assert prepare_arrays(raw.vertices, raw.faces).report.as_dict() == RepairReport().as_dict()
+
+
+@pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
+@pytest.mark.parametrize("kind", ["ply", "ply-little"])
+def test_header_lines_end_in_any_way(kind, end):
+    points, faces = octahedron()
+    points = points + 1e-30 * 0x0A  # binary data of any bytes follow
+    head, mark, body = encode(kind, points, faces).partition(b"end_header\n")
+    raw = read_ply((head + mark).replace(b"\n", end) + (body.replace(b"\n", end) if kind == "ply" else body))
+    assert raw.faces.tolist() == faces.tolist()
+
+
+def test_a_lone_carriage_return_before_data_that_begin_with_a_line_feed():
+    header = b"ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty uchar x\rproperty uchar y\r"
+    header += b"property uchar z\rend_header\r"
+    assert read_ply(header + b"\n\x01\x02").vertices.tolist() == [[10, 1, 2]]
+
+
+def test_a_comment_may_name_the_end_of_the_header():
+    data = encode("ply", *octahedron()).replace(b"ply\n", b"ply\ncomment before end_header\n", 1)
+    assert len(read_ply(data).faces) == 8

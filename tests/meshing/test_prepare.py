@@ -3,7 +3,8 @@ import pytest
 from meshfiles import FORMATS, fin, moebius_strip, octahedron, sheet, soup, sphere, write
 
 from geoweave.errors import MeshError
-from geoweave.meshing.prepare import COARSEST, UNEVEN, RepairReport, evened, prepare_arrays, read_mesh
+from geoweave.meshing.prepare import COARSEST, UNEVEN, evened, prepare_arrays, read_mesh
+from geoweave.meshing.report import RepairReport
 
 CLEAN = RepairReport()
 

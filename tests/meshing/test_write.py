@@ -3,7 +3,8 @@ import pytest
 from meshfiles import sphere
 
 from geoweave.files import OutputError
-from geoweave.meshing.prepare import RepairReport, read_mesh
+from geoweave.meshing.prepare import read_mesh
+from geoweave.meshing.report import RepairReport
 from geoweave.meshing.write import WRITTEN, write_mesh
 from geoweave.surface.mesh import TriMesh
 
