@@ -6,6 +6,6 @@ from .prepare import (
     read_mesh as read_mesh,
     remeshed as remeshed,
 )
-from .remesh import isotropic_remesh as isotropic_remesh
+from .remesh import check_face_count as check_face_count, isotropic_remesh as isotropic_remesh
 from .report import RepairReport as RepairReport
 from .write import check_format as check_format, write_mesh as write_mesh

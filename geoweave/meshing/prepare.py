@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from geoweave.arrays import Flags, Indices, Triangles, Vectors
 from geoweave.errors import MeshError
 from geoweave.meshing import repairs
+from geoweave.meshing.faults import faults
 from geoweave.meshing.read import read_arrays, shown
 from geoweave.meshing.report import RepairReport, number, place
 from geoweave.surface import TriMesh
@@ -74,13 +75,25 @@ def read_mesh(
     --------
     prepare_arrays : the same for arrays
     """
-    raw = read_arrays(path)
     name = shown(path)
+    if faces is not None:
+        _check_face_count(faces, name)
+    raw = read_arrays(path)
     prepared = prepare_arrays(raw.vertices, raw.faces, components=components, cut=cut, name=name)
     if raw.notes:
         report = replace(prepared.report, notes=(*raw.notes, *prepared.report.notes))
         prepared = replace(prepared, report=report)
     return prepared if faces is None else remeshed(prepared, faces, name=name)
+
+
+def _check_face_count(faces: int, name: str) -> None:
+    """Refuse a number of faces before any work, with the name in front."""
+    from geoweave.meshing.remesh import check_face_count
+
+    try:
+        check_face_count(faces)
+    except MeshError as error:
+        raise MeshError(f"{name}: {error}") from None
 
 
 def remeshed(prepared: Prepared, faces: int, *, name: str = "mesh") -> Prepared:
@@ -207,7 +220,7 @@ def prepare_arrays(
         mesh = TriMesh(points, _turned(triangles, turned))
     except MeshError as error:
         raise MeshError(f"{name}: {error}; mend it in a mesh editor") from None
-    return Prepared(mesh, RepairReport(**count))
+    return Prepared(mesh, RepairReport(**count, notes=faults(mesh)))
 
 
 def _separated(

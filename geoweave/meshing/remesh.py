@@ -31,6 +31,12 @@ STEADY = (0.7, 1.4)
 TOLERANCE = 0.05
 """Share by which the number of faces may differ from the wanted one."""
 
+MOST_FACES = 5_000_000
+"""Largest number of faces that is made."""
+
+BYTES_PER_FACE = 720
+"""Memory that remeshing takes for each face it makes, as measured at 300,000 faces."""
+
 CORNER = np.pi / 4
 """A curve that turns by more than this within half an edge length has a corner there, which stays."""
 
@@ -57,8 +63,8 @@ def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None =
     Raises
     ------
     MeshError
-        If `faces` is less than 4, or if the topology of the surface does not allow so few faces; the message
-        names the number that was reached.
+        If `faces` is less than 4 or more than `MOST_FACES`, or if the topology of the surface does not allow
+        so few faces; the message then names the number that was reached.
 
     Examples
     --------
@@ -66,8 +72,7 @@ def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None =
     >>> 285 <= even.n_faces <= 315, len(even.boundary_loops)
     (True, 1)
     """
-    if faces < 4:
-        raise MeshError(f"cannot remesh to {faces} faces: ask for at least 4")
+    check_face_count(faces)
     working, placement = mesh.normalized()
     creases = _creases(working, feature_angle)
     guide = Guide(
@@ -92,6 +97,29 @@ def isotropic_remesh(mesh: TriMesh, faces: int, *, feature_angle: float | None =
         length *= float(np.clip(np.sqrt(len(patch.at) / (3.0 * faces)), *STEADY)) if i < ROUNDS else 1.0
     flip_edges(patch, True)
     return _checked(mesh, TriMesh(placement.undo(patch.points), patch.at.reshape(-1, 3)), faces)
+
+
+def check_face_count(faces: int) -> None:
+    """Refuse a number of faces that no surface has, or that memory is too small for.
+
+    Raises
+    ------
+    MeshError
+        If `faces` is less than 4 or more than `MOST_FACES`.
+
+    Examples
+    --------
+    >>> gw.meshing.check_face_count(1_000_000_000)
+    Traceback (most recent call last):
+    geoweave.errors.MeshError: cannot remesh to 1,000,000,000 faces: ... ask for at most 5,000,000
+    """
+    if faces < 4:
+        raise MeshError(f"cannot remesh to {faces} faces: ask for at least 4")
+    if faces > MOST_FACES:
+        raise MeshError(
+            f"cannot remesh to {faces:,} faces: they would take {BYTES_PER_FACE * faces / 1e9:,.0f} GB of "
+            f"memory; ask for at most {MOST_FACES:,}"
+        )
 
 
 def _checked(mesh: TriMesh, result: TriMesh, faces: int) -> TriMesh:

@@ -26,6 +26,12 @@ COINCIDENT = 1e-7
 STL and most PLY files are written in single precision, whose error is about this share.
 """
 
+CRACK = 1e-5
+"""Open vertices closer than this share of the model are one vertex too, if all their open edges are long."""
+
+LONG = 10.0
+"""Open edges are long that have this many times the width of the crack beside them."""
+
 INWARD = 1e-9
 """A closed component faces inwards if its volume is negative by more than this share of its area^1.5."""
 
@@ -123,7 +129,12 @@ def coincident(vertices: Vectors, faces: Triangles, edges: Edges, flat_faces: Fl
     open_vertices = np.zeros(len(vertices), dtype=bool)
     open_vertices[edges.ends[edges.counts == 1]] = True
     size = float(np.linalg.norm(np.ptp(vertices[faces.ravel()], axis=0)))
-    close = _close_pairs(vertices, np.flatnonzero(open_vertices), COINCIDENT * size)
+    close = _close_pairs(vertices, np.flatnonzero(open_vertices), CRACK * size)
+    width = np.linalg.norm(vertices[close[:, 0]] - vertices[close[:, 1]], axis=1)
+    shortest = _shortest_open_edges(vertices, edges)
+    close = close[
+        (width <= COINCIDENT * size) | (LONG * width <= shortest[close].min(axis=1, initial=np.inf))
+    ]
 
     corners = faces[flat_faces]
     lengths, _ = shapes_of(vertices, corners)
@@ -134,6 +145,15 @@ def coincident(vertices: Vectors, faces: Triangles, edges: Edges, flat_faces: Fl
     if not len(pairs):
         return np.arange(len(vertices))
     return first_of_each(connected_components(pairs, len(vertices)))
+
+
+def _shortest_open_edges(vertices: Vectors, edges: Edges) -> Scalars:
+    """(V,) length of the shortest open edge at each vertex; infinite off the open edges."""
+    ends = edges.ends[edges.counts == 1]
+    lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
+    shortest = np.full(len(vertices), np.inf)
+    np.minimum.at(shortest, ends.ravel(), np.repeat(lengths, 2))
+    return shortest
 
 
 def _close_pairs(vertices: Vectors, candidates: Indices, distance: float) -> Indices:

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from geoweave.errors import MeshError
+from geoweave.meshing.prepare import read_mesh
 from geoweave.meshing.remesh import isotropic_remesh
 from geoweave.models import datasets, shapes
 from geoweave.surface.closest_point import closest_points, segment_tree, triangle_tree
@@ -126,3 +127,11 @@ def test_components_stay_apart() -> None:
 def test_what_cannot_be_is_refused(faces: int, says: str) -> None:
     with pytest.raises(MeshError, match=says):
         isotropic_remesh(shapes.genus_g(3, faces=2_000), faces)
+
+
+@pytest.mark.parametrize("faces", [5_000_001, 1_000_000_000, 10**18])
+def test_more_faces_than_memory_holds_are_refused_before_any_work(faces, tmp_path):
+    with pytest.raises(MeshError, match=r"cannot remesh to [0-9,]+ faces: they would take [0-9,]+ GB"):
+        isotropic_remesh(shapes.icosahedron(), faces)
+    with pytest.raises(MeshError, match=r"^nowhere.obj: cannot remesh to .*at most 5,000,000$"):
+        read_mesh("nowhere.obj", faces=faces)
