@@ -10,6 +10,7 @@ import numpy as np
 
 from geoweave.arrays import Indices, Vectors
 from geoweave.meshing.report import number, place
+from geoweave.meshing.shells import crossing_shells
 from geoweave.surface import TriMesh
 
 TOUCHING = 1e-5
@@ -26,7 +27,8 @@ def faults(mesh: TriMesh) -> tuple[str, ...]:
     """Name the faults of a surface, one sentence for each kind that is found.
 
     Found are corners of open edges that lie on the side of another open edge (T-junctions, and seams whose
-    two sides have different corners), and many components that are too small to be meant (dust).
+    two sides have different corners), many components that are too small to be meant (dust), and components
+    that run through each other.
 
     Examples
     --------
@@ -40,6 +42,8 @@ def faults(mesh: TriMesh) -> tuple[str, ...]:
         said += _open_seams(mesh, size)
     if mesh.n_components > DUST:
         said += _dust(mesh, size)
+    if mesh.n_components > 1:
+        said += _crossings(mesh)
     return tuple(said)
 
 
@@ -84,6 +88,18 @@ def _is_apex(mesh: TriMesh, edge: Indices, vertex: Indices) -> np.ndarray:
     """Whether a vertex is the third corner of the face at a boundary edge."""
     faces = mesh.edge_faces[mesh.boundary_edges[edge], 0]
     return np.asarray((mesh.faces[faces] == vertex[:, None]).any(axis=1))
+
+
+def _crossings(mesh: TriMesh) -> list[str]:
+    """Components that run through each other."""
+    found = crossing_shells(mesh)
+    if not found:
+        return []
+    sentence = (
+        f"{number(len(found), 'pair')} of components run through each other (first at "
+        f"{place(found[0][2][None])}), and so will what is made of them; unite them in a mesh editor"
+    )
+    return [sentence]
 
 
 def _dust(mesh: TriMesh, size: float) -> list[str]:
