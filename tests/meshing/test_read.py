@@ -192,3 +192,44 @@ def test_a_closed_mesh_is_read_without_the_heavy_libraries(source, tmp_path):
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
     )
     assert run.stdout.splitlines()[-1] == "[]"
+
+
+def prism(kind):
+    """A prism over a U of area 5 and girth 12, height 2: its caps are polygons of eight corners."""
+    ring = [(0, 0), (3, 0), (3, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)]
+    points = [(x, y, z) for z in (0, 2) for x, y in ring]
+    faces = [list(range(7, -1, -1)), list(range(8, 16))]
+    faces += [[k, (k + 1) % 8, 8 + (k + 1) % 8, 8 + k] for k in range(8)]
+    rows = [" ".join(map(str, point)) for point in points]
+    if kind == "obj":
+        rows = [f"v {row}" for row in rows] + ["f " + " ".join(str(k + 1) for k in face) for face in faces]
+        return "\n".join(rows) + "\n"
+    polygons = [f"{len(face)} " + " ".join(map(str, face)) for face in faces]
+    if kind == "off":
+        return "\n".join(["OFF", f"{len(points)} {len(faces)} 0", *rows, *polygons, ""])
+    head = ["ply", "format ascii 1.0", f"element vertex {len(points)}"]
+    head += [*(f"property float {axis}" for axis in "xyz"), f"element face {len(faces)}"]
+    return "\n".join([*head, "property list uchar int vertex_indices", "end_header", *rows, *polygons, ""])
+
+
+@pytest.mark.parametrize("kind", ["obj", "off", "ply"])
+def test_a_solid_with_concave_caps_keeps_its_area(kind, tmp_path):
+    """A fan of the caps would cover the gap of the U too."""
+    path = tmp_path / f"prism.{kind}"
+    path.write_text(prism(kind))
+    prepared = read_mesh(path)
+    assert prepared.mesh.face_areas.sum() == pytest.approx(2 * 5 + 2 * 12)
+    assert (prepared.mesh.genus, prepared.mesh.boundary_loops) == (0, ())
+    assert prepared.report.sentences() == []
+
+
+@pytest.mark.parametrize("name", ["KHR_draco_mesh_compression", "EXT_meshopt_compression"])
+@pytest.mark.parametrize("kind", ["glb", "gltf"])
+def test_compressed_gltf_is_refused_by_its_name(kind, name, tmp_path):
+    path = tmp_path / f"mesh.{kind}"
+    data = glb(*octahedron(), [(0, 0, 0)])
+    path.write_bytes(data.replace(b'"2.0"}', b'"2.0"},"extensionsRequired":["' + name.encode() + b'"]', 1))
+    with pytest.raises(
+        MeshError, match=rf"mesh.{kind}: .*compressed \({name}\); export it without compression"
+    ):
+        read_mesh(path)
