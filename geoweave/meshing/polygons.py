@@ -11,6 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from geoweave.arrays import Flags, Indices, Scalars, Triangles, Vectors
+from geoweave.errors import MeshError
+
+MOST_CORNERS = 4_000
+"""A polygon that is clipped may have so many corners; time grows with their square, to some seconds."""
 
 THIN = 1e-6
 """A fan with a triangle whose area is below this share of its longest edge squared is not taken."""
@@ -44,6 +48,11 @@ def triangulated(points: Vectors, corners: Indices, counts: Indices) -> Triangle
     -------
     (F, 3) triangles, oriented like their polygons; polygons with n corners give n - 2 of them. Indices out of
     range and coordinates that are not finite are passed on as they are.
+
+    Raises
+    ------
+    MeshError
+        If a polygon that is no plain fan has more than `MOST_CORNERS` corners.
 
     Examples
     --------
@@ -139,6 +148,11 @@ def _clipped_anew(
     known: dict[tuple[int, ...], Triangles] = {}
     for polygon in np.flatnonzero(again).tolist():
         n = int(counts[polygon])
+        if n > MOST_CORNERS:
+            raise MeshError(
+                f"a face with {n:,} corners is not convex, and at most {MOST_CORNERS:,} are cut into "
+                "triangles here; cut it in a mesh editor"
+            )
         ring = corners[first_corner[polygon] : first_corner[polygon] + n]
         name = tuple(sorted(ring.tolist()))
         if name not in known:  # a polygon that stands in the file twice is cut the same way twice

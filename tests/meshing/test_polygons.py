@@ -5,7 +5,8 @@ import time
 import numpy as np
 import pytest
 
-from geoweave.meshing.polygons import triangulated
+from geoweave.errors import MeshError
+from geoweave.meshing.polygons import MOST_CORNERS, triangulated
 from geoweave.meshing.prepare import prepare_arrays
 
 
@@ -120,3 +121,11 @@ def test_a_polygon_of_many_corners_takes_no_time() -> None:
     faces = cut(shape, [np.roll(np.arange(len(shape)), 1).tolist()])
     assert areas(shape, faces).sum() == pytest.approx(299 + 150)
     assert time.perf_counter() - start < 20.0
+
+
+def test_a_polygon_of_too_many_corners_is_refused_unless_it_is_convex() -> None:
+    with pytest.raises(MeshError, match="a face with 4,004 corners is not convex"):
+        cut(comb(1 + MOST_CORNERS // 4), [list(range(MOST_CORNERS + 4))])
+    angle = 2 * np.pi * np.arange(MOST_CORNERS + 4) / (MOST_CORNERS + 4)
+    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    assert len(cut(ring, [list(range(len(ring)))])) == MOST_CORNERS + 2
