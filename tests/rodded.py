@@ -90,3 +90,18 @@ def turned(rods, rotation, shift):
 def any_rotation(seed=1):
     q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
     return q * np.sign(np.linalg.det(q))
+
+
+def grid(count=3):
+    """Straight bars that cross at right angles, one unit apart, the first family below."""
+    line = np.linspace(-1.0, float(count), 10 * (count + 1) + 1)
+    flat = np.zeros_like(line)
+    bars = [np.column_stack([line, flat + k, flat]) for k in range(count)]
+    bars += [np.column_stack([flat + k, line, flat]) for k in range(count)]
+    each = len(line) - 1
+    pairs, places = [], []
+    for one in range(count):
+        for other in range(count):
+            pairs.append([each * one + 10 * (other + 1), each * (count + other) + 10 * (one + 1)])
+            places.append([0.0, 0.0])
+    return rods_of(bars, np.array([0.0, 0.0, 1.0]), contacts=Contacts(pairs, places, np.ones(len(pairs))))

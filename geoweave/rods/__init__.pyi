@@ -1,3 +1,4 @@
+from .contact_order import Changes as Changes, order_changes as order_changes, positions as positions
 from .departure import (
     Distances as Distances,
     fitted as fitted,

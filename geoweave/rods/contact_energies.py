@@ -12,10 +12,16 @@ from geoweave.arrays import Indices, Scalars, Vectors, cross, frozen
 from geoweave.rods.elastic_energies import Table, Term, hat, outer, point_unknowns, twice
 from geoweave.rods.rods import Rods
 
-__all__ = ["ORIENTATION", "contact_orientation", "contact_position"]
+__all__ = ["ORIENTATION", "SIDE", "contact_orientation", "contact_position", "contact_side"]
 
 ORIENTATION = "contact orientation"
 """The name of the energy that makes crossing ribbons lie flush."""
+
+SIDE = "contact side"
+"""The name of the barrier that keeps the sign of crossing angles."""
+
+KEPT = 0.25
+"""The barrier acts where the sine of a crossing angle falls below this share of what it was."""
 
 
 def _contact_unknowns(rods: Rods) -> Indices:
@@ -153,6 +159,48 @@ def contact_orientation(rods: Rods, stiffness: float) -> Term:
         return out
 
     return Term(ORIENTATION, _contact_unknowns(rods), residual, derivative, curvature)
+
+
+def contact_side(rods: Rods, stiffness: float) -> Term:
+    """Return the barrier that keeps the sign of crossing angles (DEVIATIONS, order).
+
+    ``g / 2 max(m / x - 1, 0)^2``, where x is ``(t_a x t_b) . tau_a`` with the sign it has at the start, and
+    the energy is infinite where x is not positive. The barrier acts below ``m = KEPT x``, x at the start, so
+    that it is zero for nearly all crossings. The stiffness g is force x length.
+    """
+    pair = rods.contacts.segments
+    one, two = pair.T
+
+    def sine(rods: Rods) -> Scalars:
+        normal = cross(rods.tangents[one], rods.tangents[two])
+        return np.asarray((normal * rods.directors[one]).sum(axis=1))
+
+    start = sine(rods)
+    sign, least = np.where(start < 0, -1.0, 1.0), KEPT * np.abs(start)
+    weight = np.sqrt(stiffness)
+
+    def residual(rods: Rods) -> Table:
+        x = sign * sine(rods)
+        safe = np.where(x > 0, x, 1.0)
+        inside = np.where(x > 0, np.maximum(least / safe - 1.0, 0.0), np.inf)
+        return weight * np.where(least > 0, inside, 0.0)[:, None]
+
+    def derivative(rods: Rods) -> Table:
+        out = np.zeros((len(pair), 1, 14))
+        x = sign * sine(rods)
+        near = (x > 0) & (x < least)
+        a, b = one[near], two[near]
+        tau, across = rods.directors[a], rods.across[a]
+        ta, tb = rods.tangents[a], rods.tangents[b]
+        by_a = cross(tb, tau)
+        by_a = (by_a - (by_a * ta).sum(axis=1)[:, None] * ta) / rods.lengths[a][:, None]
+        by_b = -(across - (across * tb).sum(axis=1)[:, None] * tb) / rods.lengths[b][:, None]
+        spin = (tb * tau).sum(axis=1)[:, None]
+        slope = np.concatenate([-by_a, by_a, -by_b, by_b, spin, np.zeros_like(spin)], axis=1)
+        out[near, 0] = (-weight * sign * least / np.where(x > 0, x, 1.0) ** 2)[near][:, None] * slope
+        return out
+
+    return Term(SIDE, _contact_unknowns(rods), residual, derivative)
 
 
 def _agreement(rods: Rods) -> Scalars:

@@ -88,7 +88,7 @@ def elastic_terms(layout: Layout) -> tuple[Term, ...]:
 
 def point_unknowns(vertices: Indices) -> Indices:
     """(n, 3 m) unknowns of the vertices (n, m)."""
-    return (3 * vertices[..., None] + np.arange(3)).reshape(len(vertices), -1)
+    return (3 * vertices[..., None] + np.arange(3)).reshape(len(vertices), 3 * vertices.shape[1])
 
 
 def _joint_unknowns(layout: Layout) -> Indices:

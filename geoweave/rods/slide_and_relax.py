@@ -9,14 +9,16 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geoweave.arrays import Flags, Indices, Scalars, Vectors
+from geoweave.arrays import Flags, Scalars
 from geoweave.errors import RodError
 from geoweave.rods import hessian
-from geoweave.rods.contact_energies import ORIENTATION, contact_orientation, contact_position
+from geoweave.rods.contact_energies import ORIENTATION, contact_orientation, contact_position, contact_side
+from geoweave.rods.contact_order import crossing_sines, gaps_of, positions
+from geoweave.rods.contact_places import chosen, outermost, replaced_contacts
 from geoweave.rods.elastic_energies import Term, elastic_terms, sliding
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping, minimized
-from geoweave.rods.rods import DERIVED, Contacts, Rods
-from geoweave.surface import BoxTree, TriMesh, closest_points, smooth_normals, triangle_tree
+from geoweave.rods.rods import DERIVED, Rods
+from geoweave.surface import TriMesh, closest_points, smooth_normals, triangle_tree
 
 __all__ = ["ROUNDS", "Springs", "relax_rods", "relaxing_terms", "slide_rods"]
 
@@ -68,14 +70,11 @@ STILL = 1e-3
 SOFT = 10.0
 """The first, softer stiffness that holds sections flush, in edgewise stiffnesses of a segment (B / l)."""
 
-NEARBY = 3
-"""A contact looks for its new place this many segments to each side."""
+ROOM = 0.5
+"""While ribbons slide, contacts keep at least this share of the distance between them along their rods."""
 
 STANDING = 0.1
 """A segment stands on the surface if the normal, less its part along the segment, is shorter than this."""
-
-PARALLEL = 1e-12
-"""Two segments are parallel if the squared sine of the angle between them is below this."""
 
 
 def slide_rods(
@@ -95,9 +94,12 @@ def slide_rods(
     moved to where ribbons now cross. With many rounds open ribbons drift to where the surface is flat, so
     the number of rounds is a parameter.
 
-    Two things are not in the paper (DEVIATIONS, sliding). The first and the last contact of an open ribbon
-    hold; otherwise its ends slip off the ribbons on which they end. Sections turn freely while ribbons slide,
-    and some turn onto their edge; at the end all are laid flush on the surface again.
+    Three things are not in the paper (DEVIATIONS, sliding and order). The first and the last contact of an
+    open ribbon hold; otherwise its ends slip off the ribbons on which they end. A contact that would pass its
+    neighbour on a ribbon, or come nearer than `ROOM`, holds too: the round is repeated from its start with
+    these contacts held, until none is left, so the order of contacts along every ribbon stays. Sections turn
+    freely while ribbons slide, and some turn onto their edge; at the end all are laid flush on the surface
+    again.
 
     Parameters
     ----------
@@ -112,7 +114,7 @@ def slide_rods(
     Returns
     -------
     Equilibrium
-        Of the last round; its steps are those of all rounds.
+        Of the last round; its steps are those of all rounds, the repeated ones too.
 
     Raises
     ------
@@ -126,110 +128,83 @@ def slide_rods(
     """
     if rounds < 1:
         raise RodError(f"sliding takes one round or more, not {rounds}")
-    stiff = springs or Springs()
-    held = _held(rods, fixed)
-    tree = triangle_tree(surface.vertices[surface.faces])
-    elastic = elastic_terms(rods.layout)
-    current = rods
-    steps: list[Step] = []
-    anchors, faces = closest_points(tree, rods.points)
     numbers = stepping or Stepping(tolerance=SLID)
     rough = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY))
+    way = _Sliding(rods, surface, springs or Springs(), _held(rods, fixed), callback)
+    current, holding = rods, outermost(rods)
+    steps: list[Step] = []
     left = rounds
     while left:
         left -= 1
-        normals = surface.face_normals[faces]
-        spring = sliding(rods.layout, anchors, normals, stiff.normal, stiff.tangential)
-        ends = replace(current, contacts=_at_ends(current))
-        holding = (contact_position(ends, stiff.position, 0.0),) if len(ends.contacts) else ()
-        found = minimized(
-            current,
-            (*elastic, spring, *holding),
-            stepping=rough if left else numbers,
-            fixed=held,
-            anchored=True,
-            callback=callback,
-        )
+        found, holding = way.round(current, rough if left else numbers, holding)
         steps.extend(found.steps)
         moved = np.linalg.norm(found.rods.points - current.points, axis=1).max()
-        current = replace(found.rods, contacts=replaced_contacts(found.rods))
-        anchors, faces = closest_points(tree, current.points)
+        current = found.rods
         if moved <= STILL * float(current.rest.mean()):
             left = min(left, 1)
-    return Equilibrium(_laid(current, surface, tree), found.converged, tuple(steps), found.ending)
+    return replace(found, rods=way.laid(current), steps=tuple(steps))
 
 
-def _laid(rods: Rods, surface: TriMesh, tree: BoxTree) -> Rods:
-    """Turn thickness directions to the surface's normals below their segments."""
-    middle = rods.points[rods.layout.ends].mean(axis=1)
-    normals = smooth_normals(surface, *closest_points(tree, middle))
-    aside = normals - (normals * rods.tangents).sum(axis=1)[:, None] * rods.tangents
-    size = np.linalg.norm(aside, axis=1)[:, None]
-    # A segment that stands on the surface keeps its thickness direction.
-    directors = np.where(size > STANDING, aside / np.maximum(size, STANDING), rods.directors)
-    return replace(rods, directors=directors, twists=DERIVED)
+class _Sliding:
+    """What all rounds of sliding share: the surface, the energies, the order of contacts."""
 
+    def __init__(
+        self,
+        rods: Rods,
+        surface: TriMesh,
+        springs: Springs,
+        held: Flags,
+        callback: Callable[[Step], None] | None,
+    ) -> None:
+        self.surface, self.tree = surface, triangle_tree(surface.vertices[surface.faces])
+        self.elastic, self.springs, self.held = elastic_terms(rods.layout), springs, held
+        self.order, self.sides = gaps_of(rods), crossing_sines(rods) >= 0
+        self.callback = callback
 
-def _at_ends(rods: Rods) -> Contacts:
-    """First and last contact of each open rod."""
-    layout, contacts = rods.layout, rods.contacts
-    rod = layout.rod_of_segment[contacts.segments]
-    place = (contacts.segments + contacts.places).ravel()
-    order = np.lexsort((place, rod.ravel()))
-    ranked = rod.ravel()[order]
-    begins = np.flatnonzero(np.diff(ranked, prepend=-1))
-    ends = np.append(begins[1:], len(ranked)) - 1 if len(ranked) else begins
-    outermost = order[np.concatenate([begins, ends])]
-    outermost = outermost[~layout.closed[rod.ravel()[outermost]]]
-    kept = np.unique(outermost // 2)
-    return Contacts(contacts.segments[kept], contacts.places[kept], contacts.over[kept])
+    def round(self, start: Rods, stepping: Stepping, holding: Flags) -> tuple[Equilibrium, Flags]:
+        """Slide once; repeat it, holding the contacts that lost their order, until none does.
 
+        Every repetition holds more contacts, and contacts that hold keep their order, so this ends.
+        """
+        anchors, faces = closest_points(self.tree, start.points)
+        normals, stiff = self.surface.face_normals[faces], self.springs
+        spring = sliding(start.layout, anchors, normals, stiff.normal, stiff.tangential)
+        steps: list[Step] = []
+        while True:
+            met = chosen(start.contacts, holding)
+            hold = contact_position(replace(start, contacts=met), stiff.position, 0.0)
+            found = minimized(
+                start,
+                (*self.elastic, spring, *([hold] if len(met) else [])),
+                stepping=stepping,
+                fixed=self.held,
+                anchored=True,
+                callback=self.callback,
+            )
+            steps.extend(found.steps)
+            rods = replace(found.rods, contacts=replaced_contacts(found.rods, holding))
+            lost = self.lost(rods) & ~holding
+            if not lost.any():
+                return replace(found, rods=rods, steps=tuple(steps)), holding
+            holding = holding | lost
 
-def replaced_contacts(rods: Rods) -> Contacts:
-    """Move each contact to where its two rods are closest now, at most `NEARBY` segments away."""
-    layout, contacts = rods.layout, rods.contacts
-    if not len(contacts):
-        return contacts
-    shifts = np.arange(-NEARBY, NEARBY + 1)
-    one = _neighbours(rods, contacts.segments[:, 0], shifts)
-    two = _neighbours(rods, contacts.segments[:, 1], shifts)
-    count, m = one.shape
-    a, b = np.repeat(one, m, axis=1).ravel(), np.tile(two, m).ravel()
-    start = rods.points[layout.ends[:, 0]]
-    edges = rods.points[layout.ends[:, 1]] - start
-    s, t = _closest_places(start[a], edges[a], start[b], edges[b])
-    gap = (start[a] - start[b]) + s[:, None] * edges[a] - t[:, None] * edges[b]
-    distance = (gap**2).sum(axis=1).reshape(count, -1)
-    distance[(a == b).reshape(count, -1)] = np.inf
-    best = np.arange(count) * m * m + np.argmin(distance, axis=1)
-    return replace(
-        contacts,
-        segments=np.column_stack([a[best], b[best]]),
-        places=np.column_stack([s[best], t[best]]),
-    )
+    def lost(self, rods: Rods) -> Flags:
+        """(C,) contacts that came too near to a neighbour, passed it, or changed the sign of their angle."""
+        order = self.order
+        tight = order.moved(positions(rods)) < ROOM * order.lengths
+        flags = (crossing_sines(self.laid(rods)) >= 0) != self.sides
+        flags[order.before[tight] // 2] = flags[order.after[tight] // 2] = True
+        return np.asarray(flags)
 
-
-def _neighbours(rods: Rods, segments: Indices, shifts: Indices) -> Indices:
-    """(C, m) segments of the same rod a few before and after; at an open end the last one is repeated."""
-    layout = rods.layout
-    rod = layout.rod_of_segment[segments][:, None]
-    first, past = layout.segment_offsets[rod], layout.segment_offsets[rod + 1]
-    at = segments[:, None] + shifts
-    around = first + np.mod(at - first, past - first)
-    return np.where(layout.closed[rod], around, np.clip(at, first, past - 1))
-
-
-def _closest_places(p: Vectors, u: Vectors, q: Vectors, v: Vectors) -> tuple[Scalars, Scalars]:
-    """Places, 0 to 1, at which the segments from p along u and from q along v are closest."""
-    w = p - q
-    uu, uv, vv = (u * u).sum(axis=1), (u * v).sum(axis=1), (v * v).sum(axis=1)
-    uw, vw = (u * w).sum(axis=1), (v * w).sum(axis=1)
-    determinant = uu * vv - uv**2
-    safe = np.maximum(determinant, PARALLEL * uu * vv)
-    s = np.clip((uv * vw - vv * uw) / safe, 0.0, 1.0)
-    t = np.clip((uv * s + vw) / vv, 0.0, 1.0)
-    s = np.clip((uv * t - uw) / uu, 0.0, 1.0)
-    return s, t
+    def laid(self, rods: Rods) -> Rods:
+        """Turn thickness directions to the surface's normals below their segments."""
+        middle = rods.points[rods.layout.ends].mean(axis=1)
+        normals = smooth_normals(self.surface, *closest_points(self.tree, middle))
+        aside = normals - (normals * rods.tangents).sum(axis=1)[:, None] * rods.tangents
+        size = np.linalg.norm(aside, axis=1)[:, None]
+        # A segment that stands on the surface keeps its thickness direction.
+        directors = np.where(size > STANDING, aside / np.maximum(size, STANDING), rods.directors)
+        return replace(rods, directors=directors, twists=DERIVED)
 
 
 def relaxing_terms(rods: Rods, springs: Springs | None = None) -> tuple[Term, ...]:
@@ -242,7 +217,13 @@ def relaxing_terms(rods: Rods, springs: Springs | None = None) -> tuple[Term, ..
         *terms,
         contact_position(rods, stiff.position),
         contact_orientation(rods, stiff.orientation),
+        contact_side(rods, _edgewise(rods)),
     )
+
+
+def _edgewise(rods: Rods) -> float:
+    """Mean edgewise stiffness of a segment, B / l, force x length."""
+    return float((rods.material.edgewise(rods.widths) / rods.rest).mean())
 
 
 def relax_rods(
@@ -294,8 +275,7 @@ def relax_rods(
     stiff, numbers = springs or Springs(), stepping or Stepping()
     terms = relaxing_terms(rods, stiff)
     pattern = hessian.analysed(rods.size, terms, held)
-    edgewise = float((rods.material.edgewise(rods.widths) / rods.rest).mean())
-    soft = replace(stiff, orientation=min(SOFT * edgewise, stiff.orientation))
+    soft = replace(stiff, orientation=min(SOFT * _edgewise(rods), stiff.orientation))
     harder = stiff.orientation / soft.orientation
     stages = [(terms, 1.0)]
     if len(rods.contacts) and harder > 1:

@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rodded import MATERIAL
 
-from geoweave.rods.contact_energies import contact_orientation, contact_position
-from geoweave.rods.rods import Contacts
+from geoweave.rods.contact_energies import KEPT, contact_orientation, contact_position, contact_side
+from geoweave.rods.rods import DERIVED, Contacts
 
 
 def two_bars(height, angle=0.0, *, over=1):
@@ -32,3 +34,22 @@ def test_a_contact_makes_ribbons_lie_flush(angle):
     # a strip has no upper side: the angle to the nearer of tau and -tau
     least = min(angle, np.pi - angle)
     assert contact_orientation(rods, 5.0).energy(rods) == pytest.approx(5.0 * least**2, rel=1e-9, abs=1e-25)
+
+
+def test_the_barrier_acts_only_near_a_change_of_sign():
+    rods = two_bars(0.01)
+    term = contact_side(rods, 2.0)
+    assert term.energy(rods) == 0
+
+    def turned(angle):
+        """The second bar turned in the plane from a right angle by an angle, as a step would turn it."""
+        way = np.linspace(-1, 1, 4)
+        second = np.column_stack([way * np.sin(angle), way * np.cos(angle), 0 * way])
+        points = np.concatenate([rods.points[:4], second])
+        return replace(rods, points=points, edges=DERIVED)
+
+    assert term.energy(turned(1.2)) == 0  # its sine is 0.36
+    sine = 0.1
+    expected = (KEPT / sine - 1) ** 2
+    assert term.energy(turned(np.arccos(sine))) == pytest.approx(expected)
+    assert term.energy(turned(np.pi / 2 + 0.01)) == np.inf

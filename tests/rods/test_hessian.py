@@ -49,7 +49,9 @@ def test_curvature_is_added_where_it_is_given():
     full = pattern.matrix(derivatives, extra)
     dense = np.zeros((rods.size, rods.size))
     for term, blocks in zip(terms, extra, strict=True):
-        for unknowns, block in zip(term.unknowns, blocks, strict=True):
+        for unknowns, block in zip(
+            term.unknowns, () if blocks is None else blocks, strict=blocks is not None
+        ):
             dense[np.ix_(unknowns, unknowns)] += block
     np.testing.assert_allclose(
         (full - plain).toarray(), dense[np.ix_(pattern.free, pattern.free)], atol=1e-9 * abs(full).max()
