@@ -29,7 +29,7 @@ ROOMS = (
     "artifact",
     "cli",
 )
-WORDS = ("arrays", "compiled", "errors", "files", "checkout")
+WORDS = ("arrays", "compiled", "errors", "documents", "files", "checkout")
 """Modules of the package itself, which every room may import; in their own order."""
 
 NEVER = {

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from geoweave import documents
 from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.errors import FieldError
 from geoweave.fabrication.marks import MARKS
@@ -23,6 +24,33 @@ __all__ = ["FORMAT", "VERSION", "Passage", "Pattern", "Strip"]
 
 FORMAT, VERSION = "geoweave-pattern", 1
 """What the first lines of ``pattern.json`` say."""
+
+
+SHAPE = documents.entries(
+    width=documents.number(above=0),
+    thickness=documents.number(above=0),
+    strips=documents.each(
+        documents.entries(
+            label=documents.text(),
+            family=documents.whole(most=1_000_000),
+            closed=documents.flag(),
+            length=documents.number(above=0),
+            bow=documents.number(),
+            turning_deg=documents.number(),
+        )
+    ),
+    crossings=documents.each(
+        documents.entries(
+            strips=documents.each(documents.whole(), 2),
+            at=documents.each(documents.number(), 2),
+            angle_deg=documents.number(),
+            over=documents.whole(0, 1),
+            mark=documents.text(*MARKS),
+            round=documents.whole(),
+        )
+    ),
+)
+"""What is read of a ``pattern.json``."""
 
 
 class Strip(NamedTuple):
@@ -214,6 +242,7 @@ class Pattern:
         if document.get("format") != FORMAT or document.get("version") != VERSION:
             raise FieldError(f"{name}: is not a {FORMAT} of version {VERSION}; write it anew")
         try:
+            SHAPE(document, "")
             strips = tuple(
                 Strip(
                     str(each["label"]),
@@ -237,7 +266,7 @@ class Pattern:
                 np.array([MARKS.index(each["mark"]) for each in met], dtype=np.int64),
                 np.array([each["round"] for each in met], dtype=np.int64),
             )
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, FieldError) as error:
             raise FieldError(f"{name}: an entry of the pattern is missing or wrong ({error})") from error
 
 

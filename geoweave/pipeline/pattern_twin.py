@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from geoweave.documents import read_json
 from geoweave.errors import FieldError
 from geoweave.files import checked_folder
 from geoweave.pipeline.source import Say, about, silent, timed
@@ -171,14 +172,5 @@ def _read(path: Path) -> Pattern:
     """Read a pattern, or say in one sentence why not."""
     from geoweave.fabrication import Pattern
 
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FieldError(
-            f"{path}: cannot be read ({error.strerror}); make one with 'geoweave weave --formats pattern'"
-        ) from error
-    except ValueError as error:
-        raise FieldError(f"{path}: is not JSON ({error}); write the pattern again") from error
-    if not isinstance(document, dict):
-        raise FieldError(f"{path}: is not a pattern; give a pattern.json of 'geoweave weave'")
+    document = read_json(path, FieldError, "make one with 'geoweave weave --formats pattern'")
     return Pattern.from_document(document, str(path))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
@@ -10,7 +9,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from geoweave import documents
 from geoweave.arrays import Scalars, Vectors, frozen
+from geoweave.documents import read_json
 from geoweave.errors import GeoweaveError, WeaveFileError
 from geoweave.rods.from_ribbons import FINENESS, rods_of_polylines
 from geoweave.rods.rods import Material, Rods
@@ -20,6 +21,40 @@ __all__ = ["WovenRods", "at_rest", "read_weave", "rods_of_document"]
 
 YOUNG = 1e8
 """Young's modulus of ribbons on a model of bounding radius 1, that of the paper's cone."""
+
+
+AGAIN = "write it again with 'geoweave weave'"
+"""What to do about a file with a slip in it."""
+
+MOST_SEGMENTS = 1_000_000
+"""Rods of more segments than this are refused; those of the largest weaves here have a hundredth of it."""
+
+WEAVE = documents.entries(
+    units=documents.text("mesh", "mm"),
+    width=documents.number(above=0),
+    thickness=documents.number(above=0),
+    surface=documents.entries(genus=documents.whole(), boundary_loops=documents.whole()),
+    ribbons=documents.each(
+        documents.entries(
+            label=documents.text(),
+            family=documents.whole(),
+            closed=documents.flag(),
+            length=documents.number(above=0),
+            points=documents.points(2),
+            normals=documents.points(2),
+        )
+    ),
+    crossings=documents.each(
+        documents.entries(
+            ribbons=documents.each(documents.whole(), 2),
+            arclength=documents.each(documents.number(), 2),
+            point=documents.each(documents.number(), 3),
+            over_index=documents.whole(0, 1),
+        )
+    ),
+    metrics=documents.entries(spacing=documents.number(above=0)),
+)
+"""What is read of a ``weave.json``."""
 
 
 class WovenRods(NamedTuple):
@@ -44,25 +79,37 @@ def read_weave(path: str | PathLike[str]) -> dict[str, Any]:
     >>> gw.rods.read_weave("no such.json")
     Traceback (most recent call last):
     ...
-    geoweave.errors.WeaveFileError: no such.json: cannot be read (No such file or directory); check the path
+    geoweave.errors.WeaveFileError: no such.json: cannot be read (No such file or directory); ...
     """
     name = Path(path).name
-    try:
-        document = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise WeaveFileError(f"{name}: cannot be read ({error.strerror}); check the path") from error
-    except ValueError as error:
-        raise WeaveFileError(
-            f"{name}: is not JSON ({error}); write it again with 'geoweave weave'"
-        ) from error
-    if not isinstance(document, dict) or document.get("format") != WEAVE_FORMAT:
+    document = read_json(path, WeaveFileError, AGAIN)
+    if document.get("format") != WEAVE_FORMAT:
         raise WeaveFileError(f"{name}: is not a weave; give a weave.json of 'geoweave weave'")
     if document.get("version") != WEAVE_VERSION:
         raise WeaveFileError(
             f"{name}: is of version {document.get('version')}, and {WEAVE_VERSION} is what is read here; "
             "write it again with this 'geoweave weave'"
         )
+    try:
+        WEAVE(document, "")
+        _check_crossings(document)
+    except ValueError as error:
+        raise WeaveFileError(f"{name}: {error}; {AGAIN}") from error
     return document
+
+
+def _check_crossings(document: Mapping[str, Any]) -> None:
+    """Refuse crossings of ribbons that are not there, and ribbons that would need too many segments."""
+    lengths = [each["length"] for each in document["ribbons"]]
+    for number, crossing in enumerate(document["crossings"]):
+        if max(crossing["ribbons"]) >= len(lengths):
+            raise ValueError(f"crossings[{number}].ribbons names a ribbon that is not there")
+    spacing = document["metrics"]["spacing"]
+    if sum(lengths) > MOST_SEGMENTS * FINENESS * spacing:
+        raise ValueError(
+            f"metrics.spacing is {spacing:g}, which would cut ribbons of a length of {sum(lengths):g} into "
+            f"more than {MOST_SEGMENTS:,} segments"
+        )
 
 
 def rods_of_document(document: Mapping[str, Any], name: str = "weave.json") -> WovenRods:

@@ -91,7 +91,7 @@ def test_a_pattern_that_contradicts_itself(folder: Path, capfd: pytest.CaptureFi
     ("text", "words"),
     [
         ("{", "is not JSON"),
-        ("[]", "is not a pattern"),
+        ("[]", "is no JSON object"),
         ("{}", "is not a geoweave-pattern"),
     ],
 )

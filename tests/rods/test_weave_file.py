@@ -65,7 +65,8 @@ def test_what_is_no_weave_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "x.json"
     for text, words in (
         ("{", "x.json: is not JSON"),
-        ("[]", "x.json: is not a weave"),
+        ("[]", "x.json: is no JSON object"),
+        ("{}", "x.json: is not a weave"),
         ('{"format": "geoweave-pattern"}', "x.json: is not a weave"),
         ('{"format": "geoweave-weave", "version": 9}', "version 9"),
     ):
