@@ -96,11 +96,12 @@ $(STAMP): requirements.lock pyproject.toml
 	  exit 1; }
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { \
 	  echo "Python's venv is missing. Run: sudo apt-get install python3-venv" >&2; exit 1; }
+	@sh scripts/graphics_library.sh
 	@if [ -e $(VENV)/.incomplete ] || ! $(PY) -c '' 2>/dev/null; then rm -rf $(VENV); fi
 	@mkdir -p $(VENV) && rm -f $(STAMP) && touch $(VENV)/.incomplete
 	@echo "Installing the pinned packages into $(VENV) (about 400 MB to fetch; a few minutes the first time)" >&2
 	@$(PYTHON) -m venv $(VENV)
-	@$(PY) -m pip install --quiet --requirement requirements.lock
+	@$(PY) -m pip install --requirement requirements.lock
 	@$(PY) -m pip install --quiet --no-build-isolation --no-deps --editable .
 	@$(PY) -m pip check --quiet || { \
 	  echo "requirements.lock does not satisfy pyproject.toml: run 'make lock'" >&2; exit 1; }
