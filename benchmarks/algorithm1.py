@@ -12,8 +12,9 @@ import numpy as np
 
 from benchmarks.memory import peak_gigabytes
 from geoweave.arrays import Complexes
+from geoweave.fields.closed_projection import ClosedProjection, ordering_of
 from geoweave.fields.face_field import total_curl
-from geoweave.fields.geodesic import ClosedProjection, geodesic_field, ordering_of, sharpening_schedule
+from geoweave.fields.geodesic import geodesic_field, sharpening_schedule
 from geoweave.fields.operators import ClosedFields
 from geoweave.fields.rosy import smoothest_field
 from geoweave.models.shapes import sphere

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse.linalg import splu
 
 from geoweave.comparisons.paper_systems import kkt_system
+from geoweave.fields.closed_projection import ClosedProjection, ordering_of
 from geoweave.fields.face_field import random_field
-from geoweave.fields.geodesic import ClosedProjection, ordering_of
 from geoweave.fields.operators import ClosedFields, as_complex
 from geoweave.models.shapes import sphere
 

@@ -70,7 +70,7 @@ def _report(found: FieldOfFile, as_json: bool) -> None:
     ]
     rows += [("repairs", text) for text in found.prepared.report.sentences()]
     rows += [
-        ("total curl", f"{curl['before']:.4f} -> {curl['after']:.4f}"),
+        ("total curl", curl_text(curl["before"], curl["after"])),
         ("singularities", f"{points['before']} -> {points['after']}"),
         ("index sum", f"{points['index_sum']} (Euler characteristic {points['euler_characteristic']})"),
         ("iterations", str(result["iterations"])),
@@ -79,6 +79,14 @@ def _report(found: FieldOfFile, as_json: bool) -> None:
     ]
     rows += [("written to", found.output)] if found.output is not None else []
     print_table(result["mesh"], rows)
+
+
+def curl_text(before: float, after: float) -> str:
+    """The total curl of the start and of the field, and a word where it rose."""
+    text = f"{before:.4f} -> {after:.4f}"
+    if f"{after:.4f}" == f"{before:.4f}" or after < before:
+        return text
+    return f"{text}: it rose; even triangles (--faces N) give a field with less"
 
 
 def _foliation_rows(result: dict[str, Any]) -> list[tuple[str, str]]:

@@ -1,3 +1,4 @@
+from .closed_projection import ClosedProjection as ClosedProjection, ordering_of as ordering_of
 from .face_field import (
     FaceField as FaceField,
     Handles as Handles,
@@ -10,11 +11,9 @@ from .face_field import (
 )
 from .geodesic import (
     INTEGRABLE_END as INTEGRABLE_END,
-    ClosedProjection as ClosedProjection,
     GeodesicSolve as GeodesicSolve,
     Step as Step,
     geodesic_field as geodesic_field,
-    ordering_of as ordering_of,
     sharpening_schedule as sharpening_schedule,
 )
 from .operators import (

@@ -8,17 +8,14 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy import sparse
 
-from geoweave.arrays import Complexes, Indices, Scalars
+from geoweave.arrays import Complexes, Scalars
 from geoweave.errors import FieldError
-from geoweave.fields.face_field import FaceField, Handles, unit
-from geoweave.fields.operators import AllFields, ClosedFields, as_complex, as_real, dual_weights
+from geoweave.fields.closed_projection import ClosedProjection, ordering_of
+from geoweave.fields.face_field import FaceField, Handles
+from geoweave.fields.operators import AllFields, ClosedFields
 from geoweave.sparse import (
-    Factorization,
     Ordering,
-    factorized,
-    nested_dissection,
     one_blas_thread,
 )
 from geoweave.surface import TriMesh
@@ -30,10 +27,10 @@ SHARPENING_START = 0.02
 """First smoothness of the default schedule, in squared bounding radii."""
 
 SHARPENING_END = 5e-3
-"""Last smoothness of the default schedule, in squared mean edge lengths."""
+"""Last smoothness of the default schedule, in squared `TriMesh.triangle_size`."""
 
 INTEGRABLE_END = 4.0
-"""Last smoothness, in squared mean edge lengths, of a field that is to be integrated (`foliate`)."""
+"""Last smoothness, in squared `TriMesh.triangle_size`, of a field that is to be integrated (`foliate`)."""
 
 ROUNDING = 1e-6
 """Rise of the energy, as a share of it, up to which it is rounding; slivers cost 2e-7 on a remeshed scan."""
@@ -56,19 +53,14 @@ LAST_STEPS = 2
 STILL = 1e-4
 """A value of lambda is done when the root mean square change of the unit field in a step is below this."""
 
-REPEATED = 1e-11
-"""Constraints of handles whose eigenvalue is below this share of the largest repeat other constraints."""
-
-CONTRADICTION = 1e-6
-"""Misfit of a unit vector on a handle beyond which the handles contradict one another."""
-
 
 def sharpening_schedule(
     mesh: TriMesh, levels: int = LEVELS, finest: float = SHARPENING_END
 ) -> tuple[float, ...]:
     """Smoothness weights from coarse to fine, a geometric sequence ("sharpening", Section 4.1.2).
 
-    From 0.02 R^2, R the bounding radius, to 0.005 h^2, h the mean edge length: first the field settles as
+    From 0.02 R^2, R the bounding radius, to 0.005 h^2, h the size of the triangles (the mean edge length
+    unless they are long and thin, `TriMesh.triangle_size`): first the field settles as
     a whole, then its curl gathers on points and lines. The values were chosen by measurement
     (DEVIATIONS.md, sharpening).
 
@@ -91,7 +83,7 @@ def sharpening_schedule(
     (0.02, True)
     """
     radius = mesh.bounding_radius
-    first, last = SHARPENING_START * radius**2, finest * mesh.mean_edge**2
+    first, last = SHARPENING_START * radius**2, finest * mesh.triangle_size**2
     return tuple(float(value) for value in np.geomspace(max(first, last), last, levels))
 
 
@@ -150,129 +142,6 @@ class GeodesicSolve:
     def energies(self) -> Scalars:
         """(iterations,) energy after each step; comparable where the smoothness is the same."""
         return np.array([step.energy for step in self.steps])
-
-
-class ClosedProjection:
-    """The delta step of Algorithm 1: the closed field nearest to w, and smooth (Eq. 9 without multipliers).
-
-    ``v = argmin 1/2 |v - w|^2 + lambda/2 |grad v|^2`` over all closed fields ``v = B x``, with ``v = w`` on
-    the handles; the normal equations ``B' (M + lambda L) B x = B' M w`` are factored once.
-
-    Parameters
-    ----------
-    fields : the closed fields of the mesh, or all its fields
-    smoothness : lambda >= 0, unit length^2
-    ordering : of `ordering_of(fields)`; the same for every smoothness
-    handles : faces where v is prescribed
-
-    Raises
-    ------
-    FieldError
-        If the smoothness is negative, or no closed field takes the handles' values.
-    """
-
-    def __init__(
-        self,
-        fields: ClosedFields | AllFields,
-        smoothness: float,
-        ordering: Ordering,
-        handles: Handles | None = None,
-    ) -> None:
-        if not 0 <= smoothness < np.inf:
-            raise FieldError(f"the smoothness must be finite and must not be negative, not {smoothness}")
-        self.fields = fields
-        self.smoothness = smoothness
-        self._mass = np.repeat(fields.mesh.face_areas, 2)
-        system = fields.mass + smoothness * fields.smoothness
-        if handles is not None:
-            system = system + _pinning(fields, smoothness, handles)
-        self._factors = factorized(sparse.csr_array(system), ordering)
-        self._pins = _Pins(fields, self._factors, handles) if handles is not None else None
-
-    def unit(self, v: Complexes) -> Complexes:
-        """The w step of Algorithm 1: scale to length one; on handles take the prescribed vector, exactly."""
-        w = unit(v)
-        return w if self._pins is None else self._pins.exact(w)
-
-    @property
-    def size(self) -> int:
-        """Number of unknowns."""
-        return self._factors.size
-
-    @property
-    def fill(self) -> int:
-        """Stored entries of the factors."""
-        return self._factors.fill
-
-    def __call__(self, w: Complexes) -> tuple[Complexes, float]:
-        """Return the closed field v nearest to w, (F,), and the energy of Eq. 5 at ``delta = v - w``."""
-        x = self._factors.solve(self.fields.basis_transposed @ (self._mass * as_real(w)))
-        if self._pins is not None:
-            x = self._pins.impose(x)
-        v = as_complex(self.fields.basis @ x)
-        if self._pins is not None:
-            v = self._pins.exact(v)
-        distance = float(self.fields.mesh.face_areas @ np.abs(v - w) ** 2)
-        roughness = max(0.0, float(x @ (self.fields.smoothness @ x)))
-        return v, 0.5 * distance + 0.5 * self.smoothness * roughness
-
-
-def _pinning(fields: ClosedFields | AllFields, smoothness: float, handles: Handles) -> sparse.csr_array:
-    """``g B_H' B_H``: constant where the handles hold, so it changes no minimiser, but it keeps K definite.
-
-    At large lambda the mass alone holds what has no Dirichlet energy (on flat surfaces the constant fields),
-    and the solution would lose as many digits as lambda has.
-    """
-    mesh = fields.mesh
-    rows = fields.basis[_rows(handles)]
-    weight = float(mesh.face_areas.mean() + smoothness * dual_weights(mesh).mean())
-    return sparse.csr_array(weight * (rows.T @ rows))
-
-
-def _rows(handles: Handles) -> Indices:
-    """Rows of B that belong to the handles' faces."""
-    return np.asarray((2 * handles.faces[:, None] + np.arange(2)).ravel(), dtype=np.int64)
-
-
-class _Pins:
-    """Handles as equality constraints ``B_H x = w^H`` on a factored system, through its Schur complement."""
-
-    def __init__(self, fields: ClosedFields | AllFields, factors: Factorization, handles: Handles) -> None:
-        self._handles = handles
-        self._constraint = fields.basis[_rows(handles)]
-        self._values = as_real(handles.values)
-        self._response = factors.solve(self._constraint.T.toarray())
-        schur = self._constraint @ self._response
-        # Touching handle faces share an edge, so some constraints repeat others: a pseudo-inverse.
-        size, axes = np.linalg.eigh(schur)
-        kept = size > REPEATED * size[-1]
-        self._inverse = (axes[:, kept] / size[kept]) @ axes[:, kept].T
-        misfit = np.abs(schur @ (self._inverse @ self._values) - self._values).reshape(-1, 2).max(axis=1)
-        if misfit.max() > CONTRADICTION:
-            raise FieldError(
-                f"the handle on face {int(handles.faces[misfit.argmax()])} contradicts its neighbours: no "
-                "curl-free field takes their values (across a shared edge both must have the same "
-                "projection on it); turn it or leave it out"
-            )
-
-    def impose(self, x: Scalars) -> Scalars:
-        # The second round takes away what rounding left in the first: 1e-9 at large smoothness.
-        for _ in range(2):
-            x = x + self._response @ (self._inverse @ (self._values - self._constraint @ x))
-        return x
-
-    def exact(self, v: Complexes) -> Complexes:
-        v = v.copy()
-        v[self._handles.faces] = self._handles.values
-        return v
-
-
-def ordering_of(fields: ClosedFields | AllFields) -> Ordering:
-    """Elimination order of ``B' (M + lambda L) B`` for every lambda: potentials, then generators."""
-    if isinstance(fields, AllFields):
-        return nested_dissection(fields.smoothness)
-    free = len(fields.free_vertices)
-    return nested_dissection(fields.smoothness[:free, :free]).with_last(fields.basis.shape[1] - free)
 
 
 @one_blas_thread()
@@ -405,10 +274,13 @@ def _alternate(
             trial_v, trial_energy = project(trial)
         if trial_energy > energy:
             if trial_energy > energy + ROUNDING * abs(energy) + AREA_ROUNDING * mesh.face_areas.sum():
-                raise FieldError(
-                    f"a step of Algorithm 1 raised the energy from {energy:.6g} to {trial_energy:.6g}: the "
-                    "mesh is too distorted for double precision; remesh it (--faces N)"
-                )
+                if not project.refine():
+                    raise FieldError(
+                        f"a step of Algorithm 1 raised the energy from {energy:.6g} to {trial_energy:.6g}: "
+                        "the mesh is too distorted for double precision; remesh it (--faces N)"
+                    )
+                v, energy = project(w)
+                continue
             # Only rounding is left to gain: the field is stationary to working precision.
             return w, v, True
         change = float(np.sqrt(np.average(np.abs(trial - w) ** 2, weights=mesh.face_areas)))

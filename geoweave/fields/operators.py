@@ -126,12 +126,19 @@ def dual_weights(mesh: TriMesh) -> Scalars:
     return 1.5 * lengths**2 / (mesh.face_areas[i] + mesh.face_areas[j])
 
 
+def _at_faces(mesh: TriMesh, values: Scalars) -> Scalars:
+    """(F,) sum of the values of the interior edges of each face; zeros where there is no such edge."""
+    i, j = mesh.edge_faces[mesh.interior_edges].T
+    total = np.bincount(i, values, mesh.n_faces) + np.bincount(j, values, mesh.n_faces)
+    return np.asarray(total, dtype=np.float64)
+
+
 def face_laplacian(mesh: TriMesh) -> sparse.csr_array:
     """Laplacian of functions on faces, L_F, (F, F), positive semi-definite (Appendix B)."""
     i, j = mesh.edge_faces[mesh.interior_edges].T
     weights = dual_weights(mesh)
     off = sparse.coo_array((weights, (i, j)), shape=(mesh.n_faces,) * 2)
-    diagonal = np.bincount(i, weights, mesh.n_faces) + np.bincount(j, weights, mesh.n_faces)
+    diagonal = _at_faces(mesh, weights)
     return sparse.csr_array(sparse.diags_array(diagonal) - (off + off.T))
 
 
@@ -144,7 +151,7 @@ def connection_laplacian(mesh: TriMesh, degree: int = 1) -> sparse.csr_array:
     i, j = mesh.edge_faces[mesh.interior_edges].T
     weights = dual_weights(mesh)
     off = sparse.coo_array((weights * mesh.transport**degree, (j, i)), shape=(mesh.n_faces,) * 2)
-    diagonal = np.bincount(i, weights, mesh.n_faces) + np.bincount(j, weights, mesh.n_faces)
+    diagonal = _at_faces(mesh, weights)
     return sparse.csr_array(sparse.diags_array(diagonal) - (off + off.conj().T))
 
 

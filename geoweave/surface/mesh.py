@@ -132,6 +132,15 @@ class TriMesh(Connectivity):
         return float(self.edge_lengths.mean())
 
     @property
+    def triangle_size(self) -> float:
+        """The mean edge length h, or twice the root of the mean face area where that is less.
+
+        Long thin triangles have long edges, which say little about the lengths that the mesh resolves. The
+        two differ where triangles are on average more than about five times as long as high.
+        """
+        return min(self.mean_edge, 2.0 * float(np.sqrt(self.face_areas.mean())))
+
+    @property
     def bounding_radius(self) -> float:
         """Distance of the farthest vertex from the mean of all: the unit of length of the project."""
         return float(np.linalg.norm(self.vertices - self.vertices.mean(axis=0), axis=1).max())

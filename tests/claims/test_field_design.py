@@ -12,6 +12,7 @@ from scipy.sparse.linalg import eigsh, lsqr
 
 from geoweave.comparisons.domains import ordered_domains
 from geoweave.curves.tracing import streamlines
+from geoweave.fields.closed_projection import ClosedProjection, ordering_of
 from geoweave.fields.face_field import (
     FaceField,
     Handles,
@@ -20,7 +21,7 @@ from geoweave.fields.face_field import (
     random_field,
     total_curl,
 )
-from geoweave.fields.geodesic import ClosedProjection, GeodesicSolve, geodesic_field, ordering_of
+from geoweave.fields.geodesic import GeodesicSolve, geodesic_field
 from geoweave.fields.operators import ClosedFields, as_real, curl, dirichlet_energy
 from geoweave.fields.rosy import smoothest_eigenfield, smoothest_field
 from geoweave.fields.singularities import rotation_across, singular_vertices

@@ -7,8 +7,8 @@ import pytest
 from surfaces import surface
 
 from geoweave.comparisons.paper_systems import kkt_closed_field, kkt_system
+from geoweave.fields.closed_projection import ClosedProjection, ordering_of
 from geoweave.fields.face_field import FaceField, Handles, edge_curl, random_field
-from geoweave.fields.geodesic import ClosedProjection, ordering_of
 from geoweave.fields.operators import ClosedFields
 
 # Genus 0, 1 and 5, with and without boundary, of one piece and of two.

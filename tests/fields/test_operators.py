@@ -8,6 +8,7 @@ from surfaces import ALL, surface
 from geoweave.fields import operators as op
 from geoweave.fields.face_field import edge_curl, random_field
 from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 
 def face_sums(mesh):
@@ -159,3 +160,12 @@ def test_all_fields_carry_the_same_forms_without_a_basis(name):
     np.testing.assert_array_equal(fields.basis_transposed @ x, x)
     assert x @ fields.mass @ x == pytest.approx(mesh.face_areas.sum())
     assert x @ fields.smoothness @ x == pytest.approx(op.dirichlet_energy(mesh, values))
+
+
+def test_a_single_triangle_has_operators_of_real_numbers():
+    """Without an interior edge there is nothing to sum, and the sums are zeros that are no integers."""
+    mesh = TriMesh([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    for operator in (op.connection_laplacian(mesh), op.face_laplacian(mesh)):
+        assert operator.shape == (1, 1)
+        assert operator.dtype.kind in "fc"
+        assert abs(operator).sum() == 0

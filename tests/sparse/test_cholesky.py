@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 from surfaces import surface
 
-from geoweave.fields.geodesic import ordering_of
+from geoweave.fields.closed_projection import ordering_of
 from geoweave.fields.operators import ClosedFields
 from geoweave.sparse import cholesky, factorization
 
