@@ -1,4 +1,9 @@
 from . import interlacing as interlacing
+from .as_cut import (
+    AsCut as AsCut,
+    moved_out_of_order as moved_out_of_order,
+    turned_over as turned_over,
+)
 from .body import SECTIONS as SECTIONS, Body as Body, Centreline as Centreline, bodies as bodies
 from .cover import Cover as Cover, Leaves as Leaves, branched_cover as branched_cover
 from .design import (

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from geoweave.errors import FieldError
+from geoweave.weave.as_cut import AsCut
 from geoweave.weave.holes import bare_components, gaps, hanging_ends
 from geoweave.weave.places import KINDS, Place
 from geoweave.weave.tight_spots import alongside, crowded, knots, near_parallel
 from geoweave.weave.validity import violations
 from geoweave.weave.weave import Weave
-from geoweave.weave.widths import Neighbours
 
 __all__ = ["FORMAT", "VERSION", "Inspection", "Limits", "inspected"]
 
@@ -142,7 +142,7 @@ def inspected(weave: Weave, limits: Limits | None = None) -> Inspection:
     """
     asked = limits or Limits()
     unit = weave.placement.scale
-    pairs = Neighbours(weave)
+    pairs = AsCut.of(weave).neighbours
     widths = [(share, pairs.fitting(share) * unit) for share in SHARES] if len(pairs.widths) else []
     suggested = pairs.fitting(asked.fitting) * unit if widths else None
     fits = float((pairs.widths >= weave.width).mean()) if widths else 1.0

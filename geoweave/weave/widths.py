@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from geoweave.arrays import Scalars
-from geoweave.weave.weave import Weave
+from geoweave.weave.passages import Passages
 
 FLATTEST = 1e-12
 """Least sine of the angle of a crossing, so that nothing is divided by zero."""
@@ -34,27 +34,35 @@ def widths_that_fit(distance: Scalars, first: Scalars, second: Scalars) -> Scala
 class Neighbours:
     """Pairs of crossings that follow each other on a ribbon.
 
+    Parameters
+    ----------
+    passages : the crossings along the ribbons
+    angle : (C,) from the first ribbon of each crossing to the second, radians, positive to the left
+    lengths : (R,) length of each ribbon
+
     Attributes
     ----------
     ribbon : (M,) the ribbon
     first, second : (M,) the two crossings, in the order in which they come on it
     others : (M, 2) the two ribbons that it crosses there
+    distance : (M,) between them along the ribbon
     widths : (M,) largest width at which these two do not overlap, a length
     triangles : (T, 3) pairs that form a triangle, see `Passages.triples`
     """
 
-    def __init__(self, weave: Weave) -> None:
-        met, curves, passages = weave.ribbons.crossings, weave.ribbons.curves, weave.ribbons.passages
+    def __init__(self, passages: Passages, angle: Scalars, lengths: Scalars) -> None:
+        ribbons = passages.ribbons.ravel()
         here = passages.order[passages.following[passages.order] >= 0]
         there = passages.following[here]
-        self.ribbon = met.curves.ravel()[here]
+        self.ribbon = ribbons[here]
         self.first, self.second = here // 2, there // 2
-        self.others = np.stack([met.curves.ravel()[here ^ 1], met.curves.ravel()[there ^ 1]], axis=1)
-        at = met.arclength.ravel()
+        self.others = np.stack([ribbons[here ^ 1], ribbons[there ^ 1]], axis=1)
+        at = passages.arclengths.ravel()
         apart = at[there] - at[here]
         # Round a closed ribbon the first crossing follows the last.
-        apart = np.where(apart <= 0, apart + curves.lengths[self.ribbon], apart)
-        turned = np.stack([met.angle, -met.angle], axis=1).ravel()
+        apart = np.where(apart <= 0, apart + lengths[self.ribbon], apart)
+        turned = np.stack([angle, -angle], axis=1).ravel()
+        self.distance = apart
         self.widths = widths_that_fit(apart, turned[here], turned[there])
         self.triangles = passages.triples
 
