@@ -49,6 +49,9 @@ NEVER = {
 DRAWING = {"pyvista", "vtk", "vtkmodules", "matplotlib", "cmcrameri", "cmocean"}
 PROCESSES = {"joblib.externals.loky.ProcessPoolExecutor"}
 """What joblib is there for: processes, in one module. Its files of pickles stay out."""
+RESULTS = set(ROOMS[: ROOMS.index("pipeline")])
+"""Rooms whose results depend on nothing but their arguments."""
+CLOCKS = {"time", "monotonic", "perf_counter", "process_time", "thread_time"}
 NO_TEST_OF_ITS_OWN = {"__init__", "__main__"}
 
 MODULES = sorted(PACKAGE.rglob("*.py"))
@@ -227,6 +230,22 @@ def test_every_test_has_its_module() -> None:
     for room in ROOMS:
         for path in (ROOT / "tests" / room).glob("test_*.py"):
             assert (PACKAGE / room / f"{path.stem.removeprefix('test_')}.py").is_file(), path
+
+
+@pytest.mark.parametrize("path", [path for path in MODULES if room_of(path) in RESULTS], ids=label)
+def test_no_clock_decides(path: Path) -> None:
+    """Clocks are read to tell seconds, never to end a search: a busy machine gives the same bytes."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    reading = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & CLOCKS
+    assert reading <= {"perf_counter"}
+    limits = {node.arg for node in ast.walk(tree) if isinstance(node, ast.keyword | ast.arg)}
+    limits |= {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant)} & {"time_limit"}
+    limits -= {"timeout"} if label(path) == "models/datasets" else set()  # of a download
+    assert not limits & {"time_limit", "timeout", "deadline"}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Compare | ast.If | ast.While):
+            tested = node if isinstance(node, ast.Compare) else node.test
+            assert not {each.attr for each in ast.walk(tested) if isinstance(each, ast.Attribute)} & CLOCKS
 
 
 def test_the_rules_bite(tmp_path: Path) -> None:

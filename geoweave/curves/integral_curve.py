@@ -117,6 +117,19 @@ def _over_edge(
 
 
 @compiled
+def _end(
+    g: Ground, face: int, place: complex, k: int, share: float, inside: bool, sliding: bool, out: Vectors
+) -> None:
+    """Write the end of a segment: a place inside the face, or the same to the last bit from either side."""
+    if inside:
+        in_space(g, face, place, out)
+    elif sliding:
+        out[:] = g.vertices[g.faces[face, (k + 1) % 3]]
+    else:
+        on_edge_in_space(g, face, k, share, out)
+
+
+@compiled
 def trace(
     g: Ground, q: Samples, count: int, out: Buffer, face: int, place: complex, sign: float, line: int,
     gauge: Scalars,
@@ -157,12 +170,7 @@ def trace(
         reach = _unguarded(g, face, place, way, length)
         if way == 0j or reach <= 0.0:
             break
-        if reach < length:
-            in_space(g, face, place + reach * way, out.points[n])
-        elif sliding:
-            out.points[n] = g.vertices[g.faces[face, (k + 1) % 3]]
-        else:
-            on_edge_in_space(g, face, k, share, out.points[n])
+        _end(g, face, place + reach * way, k, share, reach < length, sliding, out.points[n])
         count, clear, due = _advance(
             g, q, count, out.points[n], out.points[n - 1], face, line, s, due, sign, start, gauge
         )

@@ -73,7 +73,7 @@ def pattern_of(weave: WeaveLike, name: str = "weave.json") -> Pattern:
     --------
     >>> import geoweave as gw
     >>> cone = gw.shapes.cone(faces=400)
-    >>> weave = gw.weave_pattern(cone, ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(cone, ribbons=6).sized(size=100.0)
     >>> pattern = gw.fabrication.pattern_of(weave)
     >>> len(pattern.strips) == len(weave.ribbons)
     True

@@ -80,7 +80,7 @@ def write(
     Examples
     --------
     >>> import tempfile
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     list(gw.fabrication.write(gw.fabrication.pattern_of(weave), folder, ["csv", "svg"]))
     ['cutlist.csv', 'pattern.svg']
@@ -108,7 +108,7 @@ def jobs_of(
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> list(gw.fabrication.jobs_of(gw.fabrication.pattern_of(weave), ["csv", "pdf"]))
     ['cutlist.csv', 'pattern-a4.pdf', 'pattern-letter.pdf']
     """

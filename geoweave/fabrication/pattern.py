@@ -114,7 +114,7 @@ class Pattern:
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> pattern = gw.fabrication.pattern_of(weave)
     >>> places = [each.at for each in pattern.passages[0]]  # mm from the first end of the first strip
     >>> places == sorted(places) and 0 <= places[0] <= places[-1] <= pattern.strips[0].length

@@ -76,7 +76,7 @@ def write_pdf(
     Examples
     --------
     >>> import pathlib, tempfile
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> laid, fabrication = gw.fabrication.layout(weave), gw.fabrication
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = pathlib.Path(folder) / "cone.pdf"

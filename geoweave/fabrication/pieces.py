@@ -98,7 +98,7 @@ def pieces_of(pattern: Pattern, making: Making, longest: float = math.inf) -> tu
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=300.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=300.0)
     >>> pattern, making = gw.fabrication.pattern_of(weave), gw.fabrication.Making(overlap=15.0)
     >>> pieces = gw.fabrication.pieces_of(pattern, making, longest=200.0)
     >>> len(pieces) > len(pattern.strips) and max(piece.length for piece in pieces) <= 200.0

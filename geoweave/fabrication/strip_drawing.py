@@ -42,7 +42,7 @@ def drawn(pattern: Pattern, piece: Piece, making: Making) -> Drawn:
 
     Examples
     --------
-    >>> cone = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> cone = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> pattern, making = gw.fabrication.pattern_of(cone), gw.fabrication.Making()
     >>> first = gw.fabrication.pieces_of(pattern, making)[0]
     >>> sheet = gw.fabrication.drawn(pattern, first, making)

@@ -260,7 +260,7 @@ def layout(weave: Pattern | WeaveLike, bench: Bench | None = None) -> StripLayou
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6)
     >>> sheets = gw.fabrication.layout(weave.sized(size=100.0))
     >>> sum(len(sheet.laid) for sheet in sheets.sheets) == len(weave.ribbons)
     True

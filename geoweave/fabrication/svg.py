@@ -127,7 +127,7 @@ def read_svg(path: str | PathLike[str]) -> tuple[dict[str, float], tuple[MarkSee
     Examples
     --------
     >>> import tempfile
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> laid = gw.fabrication.layout(weave)
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     lengths, marks = gw.fabrication.read_svg(laid.save(folder + "/cone.svg")[0])

@@ -145,7 +145,7 @@ def _resampled(
 
 
 def rods_of_file(
-    file: RodFile, over: ArrayLike | None = None, *, poisson: float = 0.3, time_limit: float = 10.0
+    file: RodFile, over: ArrayLike | None = None, *, poisson: float = 0.3, effort: int = interlacing.EFFORT
 ) -> Rods:
     """Make elastic rods of the contents of a .rod file, as they are, with the file's vertices and lengths.
 
@@ -159,7 +159,7 @@ def rods_of_file(
     over : (C,) 0 or 1: which rod of each crossing lies above; a file does not say. If not given, the choice
         that alternates most often
     poisson : Poisson's ratio, which is not in the file either
-    time_limit : seconds for the proof that no choice alternates more often
+    effort : counted steps for the proof that no choice alternates more often
 
     Raises
     ------
@@ -173,7 +173,7 @@ def rods_of_file(
     if not file.rods:
         raise RodError("there is no rod in the file; export it again")
     placed = file.placed()
-    sides = interlacing.optimal(placed, time_limit).over if over is None else np.asarray(over)
+    sides = interlacing.optimal(placed, effort).over if over is None else np.asarray(over)
     chains = []
     for number, rod in enumerate(file.rods):
         knots = np.concatenate([[0.0], np.cumsum(rod.lengths)])

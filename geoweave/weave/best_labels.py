@@ -9,7 +9,6 @@ Mahjoub 1986; Guenin 2001), so that cutting planes alone find and prove the opti
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,12 +25,26 @@ __all__ = ["EFFORT", "Labelling", "best_labels"]
 EFFORT = 50_000
 """Searches for odd cycles, and rows of programs solved, that a proof may take: seconds for 4,000 edges."""
 
+_WORK = 1_200_000
+"""Elementary steps that may be spent for each unit of effort: for `EFFORT` about a minute on a slow machine.
+
+Searches and programs take longer on larger graphs, so that their number alone does not bound the time.
+"""
+_PROGRAM_STEPS = 300
+"""Elementary steps for each entry of a program's matrix and each iteration of its solver, as measured."""
+_NODE_STEPS = 3_000
+"""The same for each entry and each node of the tree of an integer program."""
+_ITERATIONS = 10_000
+"""Iterations of the solver of one program with fractions; usual are 20 to 60."""
+
 _ROUNDING = 1e-4
 """What a bound from a program may owe to its tolerances; taken off before it is rounded up."""
 _SHORT = 1e-5
 """Added to the weight of each edge: of two odd cycles of one weight the one of fewer edges is taken."""
 _SEARCHES = 100
 """Sources searched from before the weights are looked at again."""
+_LOOKS = 20
+"""Of very many sources each twentieth part is searched from before the weights are looked at again."""
 _NODES = 2_000
 """Nodes of the tree of one integer program."""
 _STEPS = (8, 16, 32)
@@ -51,9 +64,7 @@ class Labelling:
     best_cost: bool
     """Whether the ``tie`` costs of the broken edges are the smallest among labels that break as few."""
     effort: int
-    """Searches and rows of programs that it took; the same on every machine."""
-    out_of_time: bool
-    """Whether the time limit struck: only then may another run find something else."""
+    """Searches and rows of programs that it took."""
 
     @property
     def proven(self) -> bool:
@@ -67,7 +78,6 @@ def best_labels(
     second: ArrayLike,
     parity: ArrayLike,
     tie: ArrayLike | None = None,
-    time_limit: float = 60.0,
     effort: int = EFFORT,
 ) -> Labelling:
     """Labels x of the nodes that break the fewest of the wishes ``x_first ^ x_second == parity``.
@@ -79,7 +89,7 @@ def best_labels(
     bound, and labels are read off a spanning tree of smallest z. If fractions remain, the integer program
     over the cycles found goes on in the same way.
 
-    The result depends on nothing but the input, unless the time limit strikes, and says so if it did.
+    The result depends on nothing but the input: the search is ended by counted effort, never by a clock.
 
     Parameters
     ----------
@@ -88,14 +98,13 @@ def best_labels(
         whatever the labels
     tie : (M,) whole numbers from 0 on. Of the labellings that break the fewest edges, one in which the sum
         over the broken edges is smallest
-    time_limit : seconds (wall clock) after which the best found is returned with its bound: a guard
-    effort : searches for odd cycles and rows of programs solved after which the same happens; counted, so
-        that the same input gives the same labels on a slow machine
+    effort : searches for odd cycles and rows of programs solved after which the best labels so far are
+        returned with their bound. On large graphs elementary steps are counted too, and may end it earlier
 
     Raises
     ------
     GeoweaveError
-        If the arrays do not fit each other, an edge names no node, or a limit is not positive.
+        If the arrays do not fit each other, an edge names no node, or the effort is not positive.
     """
     start, end, wish = (np.asarray(each, dtype=np.int64) for each in (first, second, parity))
     price = np.zeros(len(start), dtype=np.int64) if tie is None else np.asarray(tie, dtype=np.int64)
@@ -103,9 +112,9 @@ def best_labels(
         raise GeoweaveError(f"ends, parities and ties are rows of one length, not {start.shape}, {end.shape}")
     if len(start) and (min(start.min(), end.min()) < 0 or max(start.max(), end.max()) >= nodes):
         raise GeoweaveError(f"an edge names a node outside 0..{nodes - 1}")
-    if not np.isin(wish, (0, 1)).all() or (price < 0).any() or not (time_limit > 0 and effort > 0):
-        raise GeoweaveError("parities are 0 or 1, ties are not negative, and the limits are positive")
-    budget = _Budget(effort, time.monotonic() + time_limit)
+    if not np.isin(wish, (0, 1)).all() or (price < 0).any() or effort < 1:
+        raise GeoweaveError("parities are 0 or 1, ties are not negative, and the effort is positive")
+    budget = _Budget(effort)
 
     proper = start != end
     labels = _labels(nodes, start[proper], end[proper], wish[proper])
@@ -126,7 +135,7 @@ def best_labels(
         bound, finished = bound + least, finished and best
     broken = (labels[start] ^ labels[end]) != wish.astype(bool)
     best = finished and int(broken.sum()) == bound
-    return Labelling(frozen(labels), frozen(broken), bound, best, budget.used, budget.struck)
+    return Labelling(frozen(labels), frozen(broken), bound, best, budget.used)
 
 
 def _labels(nodes: int, start: Indices, end: Indices, wish: Indices) -> Flags:
@@ -156,18 +165,14 @@ def _merged(nodes: int, start: Indices, end: Indices, wish: Indices, price: Indi
 class _Budget:
     """What all components together may still spend."""
 
-    def __init__(self, effort: int, deadline: float) -> None:
-        self.effort, self.deadline = effort, deadline
-        self.used, self.struck = 0, False
+    def __init__(self, effort: int) -> None:
+        self.effort, self.used = effort, 0
+        self.steps = effort * _WORK
+        """Elementary steps that are left."""
 
     def spent(self) -> bool:
-        """Whether effort or time is used up."""
-        self.struck = self.struck or time.monotonic() > self.deadline
-        return self.struck or self.used >= self.effort
-
-    def seconds(self) -> float:
-        """What is left for the next program; a little even when time is up, so that there is a bound."""
-        return max(self.deadline - time.monotonic(), 0.1)
+        """Whether the effort is used up."""
+        return self.used >= self.effort or self.steps <= 0
 
 
 class _Program:
@@ -264,10 +269,13 @@ class _Program:
         """
         sources = np.unique(self.graph.first[self.broken(self.labels)])
         weight, before = z + _SHORT, len(self.cycles)
+        searches = max(_SEARCHES, len(sources) // _LOOKS)
         for steps in (*_STEPS, 1.0 / _SHORT - 1.0):
             while not self.budget.spent():
+                before_it = self.doubled.steps
                 near = self.doubled.near_their_copies(weight - _SHORT, sources)
-                if not len(near) or not self.gather(weight, near[:_SEARCHES], steps * _SHORT):
+                self.budget.steps -= self.doubled.steps - before_it
+                if not len(near) or not self.gather(weight, near[:searches], steps * _SHORT):
                     break
         return len(self.cycles) > before
 
@@ -308,10 +316,10 @@ class _Program:
             b_ub=-np.ones(matrix.shape[0]),
             bounds=(0.0, 1.0),
             method="highs-ipm",
-            options={"time_limit": self.budget.seconds()},
+            options={"maxiter": _ITERATIONS},
         )
+        self.budget.steps -= _PROGRAM_STEPS * matrix.nnz * int(result.nit)
         if result.status != 0:
-            self.budget.spent()
             return None, None
         return np.clip(result.x, 0.0, 1.0), float(result.fun)
 
@@ -319,12 +327,14 @@ class _Program:
         """The program in integers, as far as its limits let it come, and a bound on its value."""
         from scipy.optimize import Bounds, LinearConstraint, milp
 
+        node = _NODE_STEPS * matrix.nnz
+        most = min(_NODES, max(1, self.budget.steps // node))
         result = milp(
             cost,
             integrality=np.ones(len(cost), dtype=np.int64),
             bounds=Bounds(0.0, 1.0),
             constraints=LinearConstraint(matrix, lb=1.0),
-            options={"time_limit": self.budget.seconds(), "node_limit": _NODES, "mip_rel_gap": 0.0},
+            options={"node_limit": most, "mip_rel_gap": 0.0},
         )
-        self.budget.spent()
+        self.budget.steps -= node * max(1, int(result.mip_node_count or 0))
         return None if result.x is None else np.rint(result.x), result.mip_dual_bound

@@ -120,7 +120,7 @@ class WeaveField:
         scale: float | None = None,
         ribbons: int | None = None,
         cutting: Cutting | None = None,
-        time_limit: float = interlacing.TIME_LIMIT,
+        effort: int = interlacing.EFFORT,
         tries: int = TRIES,
         callback: Callback | None = None,
     ) -> Weave:
@@ -141,7 +141,7 @@ class WeaveField:
             tried=tried,
             seconds=stages.seconds,
         )
-        weave = _interlaced(made.ribbons, made.families, design, self.placement, time_limit)
+        weave = _interlaced(made.ribbons, made.families, design, self.placement, effort)
         stages.begin("")
         return weave
 
@@ -275,7 +275,7 @@ def weave_pattern(
     ribbons: int | None = None,
     seed: int = 0,
     cutting: Cutting | None = None,
-    time_limit: float = interlacing.TIME_LIMIT,
+    effort: int = interlacing.EFFORT,
     tries: int = TRIES,
     callback: Callback | None = None,
 ) -> Weave:
@@ -295,8 +295,8 @@ def weave_pattern(
         The weave says its scale, and asking for that scale gives the same weave
     seed : of the RoSy and of the first eigenvector
     cutting : the numbers of the clean-up of the ribbons
-    time_limit : seconds after which the proof that no choice of over and under alternates more often ends;
-        its effort is counted, so that this strikes on a machine that is very busy only
+    effort : counted steps after which the proof ends that no choice of over and under alternates more often,
+        see `geoweave.weave.best_labels`; the best found then stays
     tries : how many scales are tried at most for a number of ribbons
     callback : called with the name of each stage as it begins
 
@@ -319,7 +319,7 @@ def weave_pattern(
         scale=scale,
         ribbons=ribbons,
         cutting=cutting,
-        time_limit=time_limit,
+        effort=effort,
         tries=tries,
         callback=callback,
     )
@@ -336,7 +336,7 @@ def _check(scale: float | None, ribbons: int | None) -> None:
 
 
 def weave_curves(
-    leaves: Leaves, *, cutting: Cutting | None = None, time_limit: float = interlacing.TIME_LIMIT
+    leaves: Leaves, *, cutting: Cutting | None = None, effort: int = interlacing.EFFORT
 ) -> Weave:
     """Weave level sets that were projected from a branched cover: ribbons, crossings, over and under.
 
@@ -346,7 +346,7 @@ def weave_curves(
     ----------
     leaves : what `Cover.project` returns
     cutting : the numbers of the clean-up of the ribbons
-    time_limit : as for `weave_pattern`
+    effort : as for `weave_pattern`
 
     Raises
     ------
@@ -368,18 +368,18 @@ def weave_curves(
     found = ribbons(leaves, family_count(rosy.degree), cutting)
     design = Design(symmetry=rosy.degree, branch_points=frozen(rosy.branch_points))
     where = Similarity(np.zeros(3), 1.0)
-    return _interlaced(found, frozen(leaves.families[found.origin]), design, where, time_limit)
+    return _interlaced(found, frozen(leaves.families[found.origin]), design, where, effort)
 
 
 def _interlaced(
-    found: Ribbons, families: Indices, design: Design, placement: Similarity, time_limit: float
+    found: Ribbons, families: Indices, design: Design, placement: Similarity, effort: int
 ) -> Weave:
     """Choose over and under, and the width that is usual at this spacing."""
     width = default_width(found.spacing, design.symmetry)
     return Weave(
         ribbons=found,
         families=families,
-        interlacing=interlacing.optimal(found.passages, time_limit),
+        interlacing=interlacing.optimal(found.passages, effort),
         width=width,
         thickness=width / THINNESS,
         design=design,

@@ -15,13 +15,10 @@ from numpy.typing import ArrayLike
 
 from geoweave.arrays import Flags, Indices, frozen
 from geoweave.errors import GeoweaveError
-from geoweave.weave.best_labels import best_labels
+from geoweave.weave.best_labels import EFFORT, best_labels
 from geoweave.weave.passages import Passages
 
-TIME_LIMIT = 60.0
-"""Seconds after which the proof of an optimum ends; its effort is counted, so this is a guard only."""
-
-__all__ = ["TIME_LIMIT", "Interlacing", "greedy", "judged", "optimal"]
+__all__ = ["EFFORT", "Interlacing", "greedy", "judged", "optimal"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +37,6 @@ class Interlacing:
     """Triangles in which each ribbon lies over one of the others and under the other one."""
     triples_proven: bool = False
     """Whether no choice that breaks as few relations interleaves more triangles."""
-    out_of_time: bool = False
-    """Whether the search was ended by the clock: only then may another run find something else."""
 
     @property
     def alternation(self) -> float:
@@ -99,16 +94,17 @@ def greedy(passages: Passages, seed: int = 0) -> Interlacing:
     return judged(passages, over)
 
 
-def optimal(passages: Passages, time_limit: float = TIME_LIMIT) -> Interlacing:
+def optimal(passages: Passages, effort: int = EFFORT) -> Interlacing:
     """The sides that break the fewest relations, and of these the ones that interleave the most triangles.
 
-    Solved exactly by `best_labels`; when the time limit (seconds) strikes, the best found
-    with a valid bound. Crossings of the same two ribbons within a ribbon's width should be `merged` first.
-    The paper leaves the choice among assignments, and interleaving, to future work (Section 6).
+    Solved exactly by `best_labels`; when the counted effort is used up, the best found with a valid bound.
+    The same passages give the same sides on every machine. Crossings of the same two ribbons within a
+    ribbon's width should be `merged` first. The paper leaves the choice among assignments, and interleaving,
+    to future work (Section 6).
     """
     relations, triples = passages.relations, passages.triples
     # A triangle that does not interleave breaks two of its three relations.
     weight = np.bincount(triples.ravel(), minlength=len(relations.first))
-    best = best_labels(len(passages), relations.first, relations.second, relations.parity, weight, time_limit)
+    best = best_labels(len(passages), relations.first, relations.second, relations.parity, weight, effort)
     found = judged(passages, best.labels)
-    return replace(found, bound=best.bound, triples_proven=best.best_cost, out_of_time=best.out_of_time)
+    return replace(found, bound=best.bound, triples_proven=best.best_cost)

@@ -19,6 +19,9 @@ from geoweave.compiled import compiled
 
 __all__ = ["EQUAL", "DoubledGraph", "Graph", "adjacency"]
 
+BLOCK = 5_000_000
+"""Distances that are held in memory at once: 40 MB."""
+
 EQUAL = 1e-6
 """Sums that differ by no more are as good as equal."""
 
@@ -48,6 +51,8 @@ class DoubledGraph:
     def __init__(self, graph: Graph) -> None:
         nodes, start, end, wish = graph.nodes, graph.first, graph.second, graph.parity
         self.nodes = nodes
+        self.steps = 0
+        """Elementary steps that `near_their_copies` took so far, at most."""
         tail = np.concatenate([start, start + nodes])
         head = np.concatenate([end + nodes * wish, end + nodes * (1 - wish)])
         edge = np.tile(np.arange(len(start)), 2)
@@ -73,13 +78,21 @@ class DoubledGraph:
         inner = length < EQUAL
         joined = adjacency(2 * nodes, tails[inner], self.heads[inner])
         count, part = csgraph.connected_components(joined, directed=False)
+        part = part.astype(np.int64)  # the product of two of these numbers is taken below
         tail, head, outer = part[tails[~inner]], part[self.heads[~inner]], length[~inner]
         # Of parallel edges between two parts the lightest one.
         order = np.lexsort((outer, tail * count + head))
         key, chosen = np.unique((tail * count + head)[order], return_index=True)
         shrunk = sparse.csr_array((outer[order][chosen], (key // count, key % count)), shape=(count, count))
         unique, row = np.unique(part[sources], return_inverse=True)
-        distance = csgraph.dijkstra(shrunk, indices=unique, limit=1.0)[row, part[sources + nodes]]
+        target, distance = part[sources + nodes], np.empty(len(sources))
+        # A row of distances to all nodes for each source: in blocks, so that memory stays bounded.
+        block = max(1, BLOCK // count)
+        for first in range(0, len(unique), block):
+            here = np.flatnonzero((row >= first) & (row < first + block))
+            found = csgraph.dijkstra(shrunk, indices=unique[first : first + block], limit=1.0)
+            distance[here] = found[row[here] - first, target[here]]
+        self.steps += len(self.heads) + len(unique) * (count + len(key))
         near = np.flatnonzero(distance < 1.0 - EQUAL)
         result: Indices = sources[near[np.argsort(distance[near], kind="stable")]]
         return result

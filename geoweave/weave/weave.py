@@ -187,7 +187,6 @@ class Weave:
                 "fraction": self.interlacing.alternation,
                 "optimal_fraction_bound": self.interlacing.alternation_bound,
                 "proven": self.interlacing.proven,
-                "out_of_time": self.interlacing.out_of_time,
                 "greedy_fraction": greedy(self.passages).alternation,
             },
             **self._of_the_foliation(),

@@ -34,11 +34,11 @@ def test_a_picture_has_all_three_hues() -> None:
 
 def test_crossing_ribbons_differ_in_colour_where_that_can_be() -> None:
     # no branch point on the cylinder: families are colours, and each crosses only the others
-    tube = weave_pattern(shapes.cylinder(faces=1000), time_limit=1.0)
+    tube = weave_pattern(shapes.cylinder(faces=1000))
     assert not len(tube.branch_points)
     np.testing.assert_array_equal(weaves.colouring(tube), tube.families)
     # on the sphere families are permuted twelve times over, and a ribbon passes through several
-    ball = weave_pattern(shapes.sphere(faces=1280), scale=0.8, time_limit=1.0)
+    ball = weave_pattern(shapes.sphere(faces=1280), scale=0.8)
     pairs = ball.ribbons.crossings.curves
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     chosen = weaves.colouring(ball)

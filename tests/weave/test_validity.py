@@ -19,7 +19,7 @@ from geoweave.weave.validity import violations
 
 @cache
 def pattern() -> Weave:
-    return weave_pattern(shapes.square(faces=2000), time_limit=1.0)
+    return weave_pattern(shapes.square(faces=2000))
 
 
 def changed(ribbons: Ribbons, pick: np.ndarray, **values: np.ndarray) -> Ribbons:
@@ -90,7 +90,7 @@ def test_an_end_without_its_last_crossing_hangs_loose() -> None:
 
 @cache
 def weave_with_open_ends() -> Ribbons:
-    return weave_pattern(shapes.sphere(faces=2000), time_limit=1.0).ribbons
+    return weave_pattern(shapes.sphere(faces=2000)).ribbons
 
 
 def test_crossings_off_their_ribbons_are_found() -> None:
