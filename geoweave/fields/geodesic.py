@@ -203,10 +203,7 @@ def geodesic_field(
     """
     mesh = initial.mesh
     schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
-    if not schedule or iterations < 1 or phases < 1:
-        raise FieldError("Algorithm 1 needs at least one smoothness, one iteration and one phase")
-    if acceleration not in ("momentum", "none"):
-        raise FieldError(f"there is no acceleration '{acceleration}': use 'momentum' or 'none'")
+    _check(min(len(schedule), iterations, phases), acceleration)
     if handles is not None and not len(handles.faces):
         handles = None
     if phases > 1 and handles is not None:
@@ -228,6 +225,13 @@ def geodesic_field(
         w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback)
         del project  # its factors make room for the next
     return GeodesicSolve(start, FaceField(mesh, w), FaceField(mesh, v - w), tuple(steps), converged)
+
+
+def _check(fewest: int, acceleration: str) -> None:
+    if fewest < 1:
+        raise FieldError("Algorithm 1 needs at least one smoothness, one iteration and one phase")
+    if acceleration not in ("momentum", "none"):
+        raise FieldError(f"there is no acceleration '{acceleration}': use 'momentum' or 'none'")
 
 
 def _projections(
