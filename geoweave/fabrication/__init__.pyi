@@ -1,11 +1,17 @@
 from .colours import Colours as Colours
-from .flattening import pattern_of as pattern_of
+from .crossing_order import (
+    Reordered as Reordered,
+    order_sentence as order_sentence,
+    reordered_crossings as reordered_crossings,
+)
+from .flattening import free_end as free_end, pattern_of as pattern_of, trimmed as trimmed
 from .maker_files import (
     FORMATS as FORMATS,
     check_formats as check_formats,
     jobs_of as jobs_of,
     write as write,
 )
+from .measured_strips import MeasuredStrips as MeasuredStrips, beside as beside, measured as measured
 from .nesting import Laid as Laid, Sheet as Sheet, Stock as Stock
 from .pattern import Pattern as Pattern
 from .pdf import FOOT as FOOT, MARGIN as MARGIN, PAPERS as PAPERS, Paper as Paper, write_pdf as write_pdf

@@ -6,18 +6,27 @@ A ribbon that follows a geodesic is straight when it is laid flat. How far a rib
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol, TypeAlias
 
 import numpy as np
 
 from geoweave.arrays import Vectors, parallel_transport
 from geoweave.errors import FieldError
+from geoweave.fabrication.crossing_order import reordered_crossings
 from geoweave.fabrication.marks import assigned
 from geoweave.fabrication.pattern import Pattern, Strip
 from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION
 
-__all__ = ["WeaveLike", "bow_and_turning", "pattern_of", "weave_document"]
+__all__ = ["FREE_END", "WeaveLike", "bow_and_turning", "free_end", "pattern_of", "trimmed", "weave_document"]
+
+FREE_END = 4.0
+"""An open strip that is made keeps so many widths beyond its outermost crossings.
+
+That is about the spacing of a triaxial weave. It leaves what a maker needs to fasten the end, and takes away
+what would hang from an opening.
+"""
 
 
 class HasDocument(Protocol):
@@ -52,7 +61,28 @@ def weave_document(weave: WeaveLike, name: str = "weave.json") -> Mapping[str, A
     return document
 
 
-def pattern_of(weave: WeaveLike, name: str = "weave.json") -> Pattern:
+def free_end(weave: WeaveLike) -> float:
+    """How much a strip keeps beyond its outermost crossings unless something else is asked for.
+
+    Parameters
+    ----------
+    weave : a weave, or the contents of ``weave.json`` or ``relaxed.json``
+
+    Returns
+    -------
+    float
+        Four widths of a ribbon, in the unit of the weave.
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0)
+    >>> round(gw.fabrication.free_end(weave.sized(size=100.0, width=3.0)), 6)  # mm
+    12.0
+    """
+    return FREE_END * float(weave_document(weave)["width"])
+
+
+def pattern_of(weave: WeaveLike, name: str = "weave.json", *, end: float = math.inf) -> Pattern:
     """Lay the ribbons of a weave flat.
 
     A ribbon that follows a geodesic is straight when it is laid flat (Section 5.4), so its strip keeps the
@@ -63,11 +93,13 @@ def pattern_of(weave: WeaveLike, name: str = "weave.json") -> Pattern:
     ----------
     weave : a weave in mm, as designed or at rest, or the contents of ``weave.json`` or ``relaxed.json``
     name : what a document is called in a refusal
+    end : what an open strip keeps beyond its outermost crossings, mm; everything if not given. A strip
+        without a crossing stays as long as its ribbon
 
     Raises
     ------
     FieldError
-        If the weave is not in mm, or the document is no weave.
+        If the weave is not in mm, the document is no weave, or the end is negative.
 
     Examples
     --------
@@ -81,24 +113,92 @@ def pattern_of(weave: WeaveLike, name: str = "weave.json") -> Pattern:
     True
     """
     document = weave_document(weave, name)
+    if not end >= 0:
+        raise FieldError(f"a strip keeps 0 mm or more beyond its outermost crossings, not {end}")
     if document.get("units") != "mm":
         raise FieldError(
             f"{name}: a pattern needs lengths in mm; give the object a size ('--size', 'Weave.sized')"
         )
     try:
-        return _flattened(document)
+        ends = _beyond(document, end)
+        return _flattened(trimmed(document, ends), ends)
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise FieldError(f"{name}: an entry of the weave is missing or wrong ({error!r})") from error
 
 
-def _flattened(document: Mapping[str, Any]) -> Pattern:
+def trimmed(document: Mapping[str, Any], ends: Sequence[tuple[float, float]]) -> Mapping[str, Any]:
+    """The same weave with something cut away of its ribbons.
+
+    Parameters
+    ----------
+    document : the contents of ``weave.json`` or ``relaxed.json``
+    ends : for each ribbon the lengths before its first end and after its last one that are cut away, such as
+        `Strip.trimmed` of a pattern; nothing of a closed one
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> pattern = gw.fabrication.pattern_of(weave, end=5.0)  # mm
+    >>> shorter = gw.fabrication.trimmed(weave.document(), [strip.trimmed for strip in pattern.strips])
+    >>> gw.fabrication.pattern_of(shorter).strips[0].length == pattern.strips[0].length
+    True
+    """
+    if not any(before or after for before, after in ends):
+        return document
+    ribbons = [
+        _shorter(ribbon, *each) if each[0] or each[1] else ribbon
+        for ribbon, each in zip(document["ribbons"], ends, strict=True)
+    ]
+    crossings = [
+        each
+        | {"arclength": [s - ends[r][0] for r, s in zip(each["ribbons"], each["arclength"], strict=True)]}
+        for each in document["crossings"]
+    ]
+    return {**document, "ribbons": ribbons, "crossings": crossings}
+
+
+def _shorter(ribbon: Mapping[str, Any], before: float, after: float) -> dict[str, Any]:
+    """A ribbon without what is before and after two of its places."""
+    points, normals = (np.array(ribbon[key], dtype=np.float64) for key in ("points", "normals"))
+    at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    # The length of the file is that of what is cut; at rest the line is a little longer or shorter.
+    share = at[-1] / ribbon["length"]
+    low, high = share * before, at[-1] - share * after
+    kept = np.flatnonzero((at > low) & (at < high))
+    where = np.concatenate([[low], at[kept], [high]])
+    line = np.stack([np.interp(where, at, points[:, axis]) for axis in range(3)], axis=1)
+    # A normal belongs to the segment that starts at its point.
+    first = int(np.searchsorted(at, low, side="right")) - 1
+    last = kept[-1] if len(kept) else first
+    up = normals[np.concatenate([[first], kept, [last]])]
+    length = float(ribbon["length"]) - before - after
+    return {**ribbon, "length": length, "points": line.tolist(), "normals": up.tolist()}
+
+
+def _beyond(document: Mapping[str, Any], end: float) -> list[tuple[float, float]]:
+    """What of each ribbon lies farther than an end beyond its outermost crossings, at both ends."""
+    ribbons = document["ribbons"]
+    outermost = [(math.inf, -math.inf)] * len(ribbons)
+    for each in document["crossings"]:
+        for r, s in zip(each["ribbons"], each["arclength"], strict=True):
+            first, last = outermost[r]
+            outermost[r] = (min(first, s), max(last, s))
+    return [
+        (0.0, 0.0)
+        if ribbon["closed"] or last < first
+        else (max(first - end, 0.0), max(float(ribbon["length"]) - last - end, 0.0))
+        for ribbon, (first, last) in zip(ribbons, outermost, strict=True)
+    ]
+
+
+def _flattened(document: Mapping[str, Any], ends: Sequence[tuple[float, float]]) -> Pattern:
     strips, headings, ups, starts = [], [], [], []
-    for each in document["ribbons"]:
+    for each, cut in zip(document["ribbons"], ends, strict=True):
         points, normals = (np.array(each[key], dtype=np.float64) for key in ("points", "normals"))
         closed = bool(each["closed"])
         bow, turning = bow_and_turning(points, normals, closed)
         strips.append(
-            Strip(str(each["label"]), int(each["family"]), closed, float(each["length"]), bow, turning)
+            Strip(str(each["label"]), int(each["family"]), closed, float(each["length"]), bow, turning, cut)
         )
         ahead = np.diff(points, axis=0, append=points[:1] if closed else points[-1:])
         steps = np.linalg.norm(ahead, axis=1)
@@ -134,6 +234,7 @@ def _flattened(document: Mapping[str, Any]) -> Pattern:
         over,
         mark,
         again,
+        reordered_crossings(document),
     )
 
 

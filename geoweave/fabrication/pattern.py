@@ -7,7 +7,7 @@ end to the left; angles turn to the left. ``pattern.json`` holds no coordinate i
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from geoweave import documents
 from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.errors import FieldError
+from geoweave.fabrication.crossing_order import Reordered
 from geoweave.fabrication.marks import MARKS
 
 __all__ = ["FORMAT", "VERSION", "Passage", "Pattern", "Strip"]
@@ -68,6 +69,8 @@ class Strip(NamedTuple):
     """How far its centreline, laid flat with its geodesic curvature, leaves the straight strip, mm."""
     turning: float
     """By how much its direction, laid flat so, varies along it, degrees."""
+    trimmed: tuple[float, float] = (0.0, 0.0)
+    """What was cut away of the ribbon before its first end and after its last one, mm."""
 
 
 class Passage(NamedTuple):
@@ -105,6 +108,8 @@ class Pattern:
     over : (C,) which of the two lies above, 0 or 1
     mark : (C,) index into `MARKS`
     round : (C,) 0 unless the two strips cross more often than there are marks
+    reordered : where crossings follow each other in another order than in the design; nobody could weave such
+        strips as they were designed, so they are not written, and their file does not say it
 
     Raises
     ------
@@ -133,13 +138,14 @@ class Pattern:
     over: Indices
     mark: Indices
     round: Indices
+    reordered: tuple[Reordered, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("width", "thickness"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise FieldError(f"the {name} of the strips must be a positive number of mm, not {value}")
-        for field in fields(self)[3:]:
+        for field in fields(self)[3:-1]:
             frozen(getattr(self, field.name))
         if self.ribbons.shape != self.at.shape or self.ribbons.shape != (len(self.angle), 2):
             raise FieldError(
@@ -200,6 +206,7 @@ class Pattern:
                     "length": round(strip.length, 4),
                     "bow": round(strip.bow, 4),
                     "turning_deg": round(strip.turning, 4),
+                    "trimmed": [round(each, 4) for each in strip.trimmed],
                     "crossings": [
                         {
                             "crossing": each.crossing,
@@ -251,6 +258,7 @@ class Pattern:
                     float(each["length"]),
                     float(each["bow"]),
                     float(each["turning_deg"]),
+                    _two(each.get("trimmed", (0.0, 0.0))),
                 )
                 for each in document["strips"]
             )
@@ -268,6 +276,12 @@ class Pattern:
             )
         except (KeyError, TypeError, ValueError, FieldError) as error:
             raise FieldError(f"{name}: an entry of the pattern is missing or wrong ({error})") from error
+
+
+def _two(values: Sequence[float]) -> tuple[float, float]:
+    """Two numbers, as a tuple."""
+    one, other = values
+    return float(one), float(other)
 
 
 def _within(degrees: float) -> float:

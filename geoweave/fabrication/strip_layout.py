@@ -13,9 +13,10 @@ from typing import Any
 from geoweave.errors import FieldError
 from geoweave.fabrication.assembly_order import Step, assembly
 from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.crossing_order import order_sentence
 from geoweave.fabrication.cut_list import cut_list
 from geoweave.fabrication.dxf import write_dxf
-from geoweave.fabrication.flattening import WeaveLike, pattern_of, weave_document
+from geoweave.fabrication.flattening import WeaveLike, free_end, pattern_of, trimmed, weave_document
 from geoweave.fabrication.glb import write_glb
 from geoweave.fabrication.guide_page import guide_html
 from geoweave.fabrication.nesting import Sheet, Stock, nested
@@ -71,7 +72,8 @@ class StripLayout:
     pattern : the strips
     bench : how they are made
     space : the weave as it will stand, as the contents of its ``weave.json`` or ``relaxed.json``; a pattern
-        alone does not know where its ribbons are in space, and then there is no GLB and no guide
+        alone does not know where its ribbons are in space, and then there is no GLB and no guide. Of its
+        ribbons the GLB and the guide show what the strips have of them
 
     See Also
     --------
@@ -167,16 +169,26 @@ class StripLayout:
         ending : of the names, such as ``".svg"``
         stem : of the names; where there are several sheets their numbers follow it
         """
+        self._check_order()
         return _WRITERS[ending](self, stem)
 
     def pdf_files(self, stem: str, paper: str = "a4") -> dict[str, Job]:
         """As `files`, for pages on a paper."""
+        self._check_order()
         pages, size, bench = self.pages(paper), PAPERS[paper], self.bench
         return {
             f"{stem}.pdf": lambda path: write_pdf(
                 path, self.pattern, pages, size, bench.paper_colours, bench.title
             )
         }
+
+    def _check_order(self) -> None:
+        """Refuse to write strips of another weave than the design."""
+        if self.pattern.reordered:
+            raise FieldError(
+                f"these strips are not written, as they are those of another weave: "
+                f"{order_sentence(self.pattern.reordered)}; cut the weave as it was designed (--no-relax)"
+            )
 
     def _drawings(self, longest: float) -> list[Drawn]:
         making = self.bench.making
@@ -188,7 +200,7 @@ class StripLayout:
                 f"the {what} needs the weave itself, as a pattern has no places in space; make the layout of "
                 f"the weave, or leave the {what} out"
             )
-        return self.space
+        return trimmed(self.space, [strip.trimmed for strip in self.pattern.strips])
 
     def _numbered(self, stem: str) -> list[tuple[str, str, Sheet]]:
         """Name of the file and title of each sheet."""
@@ -240,7 +252,9 @@ _WRITERS: dict[str, Callable[[StripLayout, str], dict[str, Job]]] = {
 }
 
 
-def layout(weave: Pattern | WeaveLike, bench: Bench | None = None) -> StripLayout:
+def layout(
+    weave: Pattern | WeaveLike, bench: Bench | None = None, *, end: float | None = None
+) -> StripLayout:
     """Lay the strips of a weave out on sheets.
 
     Everything that is cut is in millimetres. A weave is in the unit of its mesh until it is given a size:
@@ -252,6 +266,8 @@ def layout(weave: Pattern | WeaveLike, bench: Bench | None = None) -> StripLayou
     weave : a weave in mm, as designed or at rest, the contents of its ``weave.json`` or ``relaxed.json``, or
         a pattern
     bench : how the strips are made; by default on one long sheet
+    end : what an open strip keeps beyond its outermost crossings, mm; four widths if not given, and
+        everything with ``math.inf``
 
     Raises
     ------
@@ -277,7 +293,8 @@ def layout(weave: Pattern | WeaveLike, bench: Bench | None = None) -> StripLayou
     if isinstance(weave, Pattern):
         return StripLayout(weave, how)
     document = weave_document(weave)
-    return StripLayout(pattern_of(document), how, document)
+    pattern = pattern_of(document, end=free_end(document) if end is None else end)
+    return StripLayout(pattern, how, document)
 
 
 def _few(sheets: tuple[Sheet, ...]) -> tuple[Sheet, ...]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from laidflat import UP, cone, flat, patterns
+from laidflat import UP, circles, cone, flat, patterns
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.flattening import bow_and_turning, pattern_of, weave_document
+from geoweave.fabrication.flattening import bow_and_turning, free_end, pattern_of, trimmed, weave_document
+from geoweave.fabrication.measured_strips import measured
+from geoweave.fabrication.strip_layout import layout
 from geoweave.rods.weave_at_rest import relaxed_weave
 
 
@@ -81,3 +83,56 @@ def test_refusals() -> None:
         pattern_of({"format": "geoweave-report"}, "other.json")
     with pytest.raises(FieldError, match="missing or wrong"):
         pattern_of({**flat(), "ribbons": [{}]})
+
+
+def test_ends_are_trimmed_to_what_is_allowed_and_all_else_stays() -> None:
+    whole, short = pattern_of(flat()), pattern_of(flat(), end=10.0)
+    for r, (before, after) in enumerate(zip(whole.strips, short.strips, strict=True)):
+        places = [each.at for each in whole.passages[r]]
+        first, last = places[0], before.length - places[-1]
+        assert after.trimmed == pytest.approx((max(first - 10, 0), max(last - 10, 0)))
+        assert after.length == pytest.approx(before.length - sum(after.trimmed))
+        there = [each.at for each in short.passages[r]]
+        assert there == pytest.approx([at - after.trimmed[0] for at in places])
+        assert there[0] <= 10 + 1e-9
+        assert after.length - there[-1] <= 10 + 1e-9
+    np.testing.assert_allclose(short.angle, whole.angle)
+    np.testing.assert_array_equal(short.mark, whole.mark)
+    assert any(sum(strip.trimmed) > 0 for strip in short.strips)
+
+
+def test_a_trimmed_weave_lies_where_it_lay() -> None:
+    content = cone().document()
+    short = pattern_of(content, end=3.0)
+    shorter = trimmed(content, [strip.trimmed for strip in short.strips])
+    for before, after, strip in zip(content["ribbons"], shorter["ribbons"], short.strips, strict=True):
+        line = np.array(after["points"])
+        steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
+        assert steps.sum() == pytest.approx(after["length"], rel=1e-6)
+        assert after["length"] == pytest.approx(strip.length)
+        assert len(after["normals"]) == len(after["points"])
+        # Its points are those of the ribbon, but for the two new ends, which lie on it.
+        kept = {tuple(point) for point in before["points"]}
+        assert all(tuple(point) in kept for point in after["points"][1:-1])
+    assert pattern_of(shorter).document()["crossings"] == short.document()["crossings"]
+    assert trimmed(content, [(0.0, 0.0)] * len(content["ribbons"])) is content
+
+
+def test_nothing_is_trimmed_of_closed_ribbons_and_of_those_that_nothing_crosses() -> None:
+    assert pattern_of(circles(), end=0.0).document() == pattern_of(circles()).document()
+    alone = flat()
+    alone["crossings"] = []
+    assert pattern_of(alone, end=0.0).document() == pattern_of(alone).document()
+    with pytest.raises(FieldError, match="keeps 0 mm or more"):
+        pattern_of(flat(), end=-1.0)
+
+
+def test_a_layout_keeps_four_widths_unless_told_otherwise() -> None:
+    content = flat(reach=200.0)
+    assert free_end(content) == 32.0
+    assert measured(layout(content).pattern).free_ends[0] == pytest.approx(32.0)
+    assert layout(content, end=np.inf).pattern.document() == pattern_of(content).document()
+    # The guide and the GLB show the ribbons as they are cut.
+    ((name, job),) = layout(content).files(".glb", "a").items()
+    assert name == "a.glb"
+    assert callable(job)
