@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -174,6 +174,12 @@ def at_rest(
     rods : its ribbons as rods, one each
     points, normals : (V, 3) vertices and thickness directions of the rods, in the document's unit
     unit : the document's unit of length over that of the rods
+
+    Returns
+    -------
+    dict
+        The contents of ``relaxed.json``. ``designed`` of a crossing is how far along its two ribbons it is in
+        the design, so that their order can be compared.
     """
     layout, contacts = rods.layout, rods.contacts
     before = np.cumsum(rods.rest) - rods.rest
@@ -194,8 +200,10 @@ def at_rest(
         both = points[ends[:, 0]] + share[:, None] * (points[ends[:, 1]] - points[ends[:, 0]])
         cosine = abs(float(rods.tangents[pair[0]] @ rods.tangents[pair[1]]))
         names, over = layout.rod_of_segment[pair].tolist(), int(contacts.over[contact])
+        of_group = [document["crossings"][y] for y in np.flatnonzero(contacts.group == contact)]
         changed = {
             "id": len(crossings),
+            "designed": _designed(of_group, names),
             "ribbons": names,
             "arclength": ((along[pair] + share * rods.rest[pair]) * unit).tolist(),
             "point": both.mean(axis=0).tolist(),
@@ -205,6 +213,23 @@ def at_rest(
         }
         crossings.append(document["crossings"][x] | changed)
     return {**document, "ribbons": ribbons, "crossings": crossings}
+
+
+def _designed(group: Sequence[Mapping[str, Any]], ribbons: Sequence[int]) -> list[float]:
+    """Where a contact is in the design: at the middle one of the crossings that it stands for.
+
+    Parameters
+    ----------
+    group : crossings of the design of the same two ribbons
+    ribbons : of the contact, in its order
+    """
+    places = []
+    for each in group:
+        # What is relaxed again was designed where the first document says.
+        pair, at = list(each["ribbons"]), list(each.get("designed", each["arclength"]))
+        places.append(at if pair == list(ribbons) else at[::-1])
+    places.sort()
+    return places[(len(places) - 1) // 2]
 
 
 def _line(ribbon: Mapping[str, Any]) -> tuple[Vectors, Vectors, float]:

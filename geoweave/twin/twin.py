@@ -18,7 +18,7 @@ import numpy as np
 
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
-from geoweave.fabrication import Pattern
+from geoweave.fabrication import Pattern, trimmed
 from geoweave.rods import (
     FINENESS,
     Distances,
@@ -247,7 +247,10 @@ class Twin:
                 {"id": r, "label": strip.label, "family": strip.family, "closed": strip.closed}
                 for r, strip in enumerate(pattern.strips)
             ],
-            "crossings": [{} for _ in pattern.ribbons],
+            "crossings": [
+                {"ribbons": ribbons, "arclength": at}
+                for ribbons, at in zip(pattern.ribbons.tolist(), pattern.at.tolist(), strict=True)
+            ],
             "metrics": {
                 "ribbons": len(pattern.strips),
                 "crossings": len(pattern.ribbons),
@@ -273,6 +276,7 @@ class Twin:
         if document.get("units") != "mm":
             raise FieldError(f"{name}: is not in mm, as patterns are; write it again with --size")
         try:
+            document = trimmed(document, [strip.trimmed for strip in pattern.strips])
             labels = [str(each["label"]) for each in document["ribbons"]]
             lines = []
             for each in document["ribbons"]:
