@@ -40,7 +40,7 @@ def sentence(made: TwinOfFile) -> str:
     pattern, doubts, target = made.twin.pattern, made.twin.contradictions, made.target
     if target is None:
         return "The strips go together; no relaxed.json or weave.json is beside the pattern to compare with."
-    name = "relaxed.json" if "woven" in made.likeness else "weave.json"
+    name = made.target_name
     far = f"{target.crossings.mean:.1%} of the diagonal in the mean, {target.crossings.largest:.1%} at most"
     one, other = (pattern.strips[r].label for r in pattern.ribbons[target.worst])
     where = f"{target.crossings.largest * target.diagonal:.3g} mm, where {one} crosses {other}"

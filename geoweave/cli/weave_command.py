@@ -147,6 +147,7 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
         rows.append(
             ("  strips", f"as designed, not as at rest: {near}, and the strips would not go together")
         )
+    rows += _strips(result["strips"], unit)
     rows += [("broken rule", text) for text in report.violations]
     rows += [("hard places", "none") if not report.places else ("hard places", "")]
     rows += [(f"  {kind.replace('_', ' ')}", _worst(kind, report)) for kind, n in report.counts.items() if n]
@@ -155,6 +156,28 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
         ("seconds", seconds_text(made.seconds)),
         ("written to", ", ".join(result["files"])),
     ]
+    return rows
+
+
+def _strips(strips: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:
+    """What is measured on the strips as they are cut, beside the design where that differs."""
+    if strips is None:
+        return []
+    differs, ends = strips["differs"], strips["free_ends"]
+    rows = []
+    for name, what, form in (
+        ("alternation", "alternation", "{:.1%}"),
+        ("crossing_angle_deg.smallest", "smallest angle", "{:.1f} degrees"),
+        ("share_that_fits", "neighbours that fit", "{:.0%}"),
+    ):
+        if name in differs:
+            on, designed = form.format(differs[name]["strips"]), form.format(differs[name]["design"])
+            rows.append((f"  {what}", f"{on} on the strips as they are cut, {designed} in the design"))
+    said = f"{ends['count']:,} of open strips, {ends['longest']:.3g}{unit} at most beyond the last crossing"
+    if ends["trimmed"]:
+        said += f"; {ends['trimmed']:,} hung and were trimmed by {ends['trimmed_length']:.4g}{unit} in all"
+    if ends["count"]:
+        rows.append(("  ends", said))
     return rows
 
 

@@ -20,6 +20,7 @@ from geoweave.pipeline.source import (
     source_of,
     timed,
 )
+from geoweave.pipeline.strips import CutStrips, strips_of
 from geoweave.pipeline.weave_folder import check_formats, write_weave
 
 if TYPE_CHECKING:
@@ -98,18 +99,29 @@ class WovenFiles:
     """What is hard to make of the weave."""
     relaxed: Relaxed | None
     """The weave at rest; None if it was not relaxed."""
-    strips: Pattern | None
-    """The strips to be cut; None without a format of a pattern."""
-    strips_of: str | None
-    """Whose lengths the strips have: "relaxed.json", or "weave.json" if they are those of the design."""
-    slipped: int
-    """At how many crossings ribbons slid past each other, so that the strips are those of the design."""
+    cut: CutStrips | None
+    """The strips that are cut, and what is measured on them; None without a format of a pattern."""
     files: dict[str, Path]
     """Path of each file by its name."""
     left_out: dict[str, str]
     """Formats that nobody asked for by name and the weave does not allow, each with the reason."""
     seconds: dict[str, float]
     """Wall-clock time of each stage, and in total."""
+
+    @property
+    def strips(self) -> Pattern | None:
+        """The strips that are cut; None without a format of a pattern."""
+        return None if self.cut is None else self.cut.pattern
+
+    @property
+    def strips_of(self) -> str | None:
+        """Whose lengths the strips have: "relaxed.json", or "weave.json" if they are those of the design."""
+        return None if self.cut is None else self.cut.source
+
+    @property
+    def slipped(self) -> int:
+        """At how many places ribbons slid past each other, so that the strips are those of the design."""
+        return 0 if self.cut is None else self.cut.slipped
 
     def document(self) -> dict[str, Any]:
         """All numbers of the run, as ``geoweave weave --json`` prints them."""
@@ -134,6 +146,7 @@ class WovenFiles:
             "relax": None if self.relaxed is None else self.relaxed.metrics(),
             "strips_of": self.strips_of,
             "slipped": self.slipped,
+            "strips": None if self.cut is None else self.cut.document(),
             "violations": len(self.inspection.violations),
             "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
             "repairs": self.prepared.report.as_dict(),
@@ -228,11 +241,11 @@ def weave_file(
         relaxed = _relaxed(weave, seconds, say) if request.relax else None
         with timed(seconds, "write"):
             # Strips are laid out before anything is written.
-            strips, lies, slipped = _strips(weave, relaxed) if cut else (None, None, 0)
-            jobs, left_out = _pattern_jobs(source, request, weave, strips, lies, cut)
-            files = write_weave(weave, target, wanted, inspection, relaxed, jobs)
+            strips = strips_of(weave, relaxed) if cut else None
+            jobs, left_out = _pattern_jobs(source, request, weave, strips, cut)
+            said = {} if strips is None else {"strips": strips.document()}
+            files = write_weave(weave, target, wanted, inspection, relaxed, jobs, said)
     seconds["total"] = sum(seconds.values())
-    strips_of = None if strips is None else "weave.json" if lies is None else "relaxed.json"
     return WovenFiles(
         source=source,
         request=request,
@@ -240,9 +253,7 @@ def weave_file(
         weave=weave,
         inspection=inspection,
         relaxed=relaxed,
-        strips=strips,
-        strips_of=strips_of,
-        slipped=slipped,
+        cut=strips,
         files=files,
         left_out=left_out,
         seconds=seconds,
@@ -296,36 +307,11 @@ def _telling(say: Say) -> Callable[[str, Step], None]:
     )
 
 
-def _strips(weave: Weave, relaxed: Relaxed | None) -> tuple[Pattern, dict[str, Any] | None, int]:
-    """The strips to be cut.
-
-    They have the lengths at rest as long as their crossings follow each other as on the surface. Where
-    ribbons slid past each other nobody could put them together: then they have the lengths of the design.
-
-    Returns
-    -------
-    The strips, the weave at rest that they are of (None: of the design), and at how many crossings ribbons
-    slid past each other.
-    """
-    from geoweave.fabrication import pattern_of
-    from geoweave.twin import contradictions_of, surface_of
-
-    if relaxed is None:
-        return pattern_of(weave), None, 0
-    lies = relaxed.document()
-    strips = pattern_of(lies)
-    slipped = sum(each.plain for each in contradictions_of(surface_of(strips)))
-    if slipped:
-        return pattern_of(weave), None, slipped
-    return strips, lies, 0
-
-
 def _pattern_jobs(
     source: MeshSource,
     request: WeaveRequest,
     weave: Weave,
-    strips: Pattern | None,
-    lies: dict[str, Any] | None,
+    strips: CutStrips | None,
     cut: tuple[str, ...],
 ) -> tuple[dict[str, Job], dict[str, str]]:
     """What writes the files of the strips; and formats that are left out, each with the reason."""
@@ -335,7 +321,7 @@ def _pattern_jobs(
         return {}, {}
     bench = Bench(title=Path(source.name).stem)
     try:
-        return jobs_of(strips, cut, bench=bench, weave=weave, rest=lies), {}
+        return jobs_of(strips.pattern, cut, bench=bench, weave=weave, rest=strips.space), {}
     except FieldError as error:
         if request.formats is not None:
             raise

@@ -48,8 +48,16 @@ class TwinOfFile:
 
     @property
     def target(self) -> Likeness | None:
-        """The comparison that decides: with the weave as relaxed if there is one, else as designed."""
+        """The comparison that decides: with the weave that the strips are of.
+
+        If no report beside the pattern says which one that is, it is the weave as relaxed, if there is one.
+        """
         return next(iter(self.likeness.values()), None)
+
+    @property
+    def target_name(self) -> str | None:
+        """The file of the weave that decides."""
+        return next((BESIDE[what] for what in self.likeness), None)
 
     def document(self) -> dict[str, Any]:
         """All numbers, as ``geoweave twin --json`` prints them."""
@@ -98,9 +106,9 @@ def twin_file(
     with timed(seconds, "read"):
         pattern = _read(path)
         beside = {
-            what: read_weave(path.with_name(name))
-            for what, name in BESIDE.items()
-            if path.with_name(name).is_file()
+            what: read_weave(path.with_name(BESIDE[what]))
+            for what in _wanted(path)
+            if path.with_name(BESIDE[what]).is_file()
         }
     with about(str(path)):
         twin, likeness = _assembled(pattern, beside, anyway, seconds, say)
@@ -109,6 +117,13 @@ def twin_file(
     seconds["total"] = sum(seconds.values())
     genus = beside["designed"]["surface"]["genus"] if "designed" in beside else None
     return TwinOfFile(path, twin, likeness, genus, seconds, files)
+
+
+def _wanted(path: Path) -> list[str]:
+    """What a pattern is compared with, first the weave that its strips are of: that one decides."""
+    strips = earlier_report(path.parent).get("strips")
+    of = strips.get("of") if isinstance(strips, dict) else None
+    return sorted(BESIDE, key=lambda what: BESIDE[what] != of)
 
 
 def twin_numbers(twin: Twin, likeness: Mapping[str, Likeness]) -> dict[str, Any]:

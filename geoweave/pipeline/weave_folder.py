@@ -72,6 +72,7 @@ def write_weave(
     report: Inspection | None = None,
     relaxed: Relaxed | None = None,
     more: Mapping[str, Job] | None = None,
+    about: Mapping[str, Any] | None = None,
 ) -> dict[str, Path]:
     """Write ``weave.json``, ``report.json`` and what else is asked for, all together or not at all.
 
@@ -85,6 +86,7 @@ def write_weave(
     report : what `inspected` found; it is called if not given
     relaxed : the weave relaxed: ``relaxed.json`` is written too, and the report says how it rests
     more : what writes other files of this weave
+    about : what else the report says, such as what is measured on the strips
 
     Returns
     -------
@@ -104,6 +106,7 @@ def write_weave(
     if relaxed is not None:
         texts["relaxed.json"] = json.dumps(relaxed.document(), allow_nan=False) + "\n"
         said |= {"relax": relaxed.metrics()}
+    said |= dict(about or {})
     if "rod" in wanted:
         texts["weave.rod"] = rod_text(rod_file(weave))
     return write_reported(text_jobs(texts) | dict(more or {}), said, folder)

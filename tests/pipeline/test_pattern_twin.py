@@ -24,6 +24,17 @@ def test_a_pattern_is_compared_with_what_lies_beside_it(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "other" / "twin.json").read_text())["metrics"]["twin"]["comes_back"]
 
 
+def test_the_weave_that_the_strips_are_of_decides(tmp_path: Path) -> None:
+    (tmp_path / "pattern.json").write_text(json.dumps(pattern("cone", "designed").document()))
+    (tmp_path / "relaxed.json").write_text(json.dumps(woven("cone").relaxed))
+    (tmp_path / "weave.json").write_text(json.dumps(woven("cone").designed))
+    for of, what in (("weave.json", "designed"), ("relaxed.json", "woven")):
+        (tmp_path / "report.json").write_text(json.dumps({"strips": {"of": of}}))
+        made = twin_file(tmp_path, tmp_path / "other")
+        assert made.target is made.likeness[what]
+        assert made.target_name == of
+
+
 def test_what_is_no_pattern_is_refused(tmp_path: Path) -> None:
     with pytest.raises(FieldError, match="cannot be read"):
         twin_file(tmp_path)
