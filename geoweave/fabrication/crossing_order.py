@@ -47,7 +47,7 @@ def reordered_crossings(document: Mapping[str, Any]) -> tuple[Reordered, ...]:
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6)
     >>> gw.fabrication.reordered_crossings(weave.document())
     ()
     """

@@ -75,7 +75,7 @@ def free_end(weave: WeaveLike) -> float:
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6)
     >>> round(gw.fabrication.free_end(weave.sized(size=100.0, width=3.0)), 6)  # mm
     12.0
     """
@@ -137,7 +137,7 @@ def trimmed(document: Mapping[str, Any], ends: Sequence[tuple[float, float]]) ->
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> pattern = gw.fabrication.pattern_of(weave, end=5.0)  # mm
     >>> shorter = gw.fabrication.trimmed(weave.document(), [strip.trimmed for strip in pattern.strips])
     >>> gw.fabrication.pattern_of(shorter).strips[0].length == pattern.strips[0].length

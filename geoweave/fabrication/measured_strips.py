@@ -131,7 +131,7 @@ def measured(pattern: Pattern) -> MeasuredStrips:
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> found = gw.fabrication.measured(gw.fabrication.pattern_of(weave))
     >>> bool(abs(found.alternation - weave.interlacing.alternation) < 1e-12)  # cut as designed
     True
@@ -157,7 +157,7 @@ def beside(designed: MeasuredStrips, cut: MeasuredStrips) -> dict[str, tuple[flo
 
     Examples
     --------
-    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6, time_limit=1.0).sized(size=100.0)
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
     >>> designed, rest = gw.fabrication.pattern_of(weave), gw.fabrication.pattern_of(gw.relaxed_weave(weave))
     >>> differs = gw.fabrication.beside(gw.fabrication.measured(designed), gw.fabrication.measured(rest))
     >>> "crossing_angle_deg.median" in differs, "ribbons" in differs

@@ -27,7 +27,7 @@ SHAPES = {
 @cache
 def relaxed(name: str) -> Relaxed:
     surface, ribbons = SHAPES[name]
-    return relaxed_weave(weave_pattern(surface(), ribbons=ribbons, time_limit=2.0).sized(200.0))
+    return relaxed_weave(weave_pattern(surface(), ribbons=ribbons).sized(200.0))
 
 
 @cache
