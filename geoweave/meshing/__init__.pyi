@@ -1,11 +1,11 @@
 from .prepare import (
     Components as Components,
     Prepared as Prepared,
-    evened as evened,
     prepare_arrays as prepare_arrays,
     read_mesh as read_mesh,
     remeshed as remeshed,
 )
 from .remesh import check_face_count as check_face_count, isotropic_remesh as isotropic_remesh
 from .report import RepairReport as RepairReport
+from .weaving_mesh import evened as evened, faces_to_weave_on as faces_to_weave_on
 from .write import check_format as check_format, write_mesh as write_mesh

@@ -29,16 +29,6 @@ LARGEST_COORDINATE = 1e60
 MOST_ROUNDS = 50
 """Rounds of welding and flipping; each shortens every chain of faces without area."""
 
-UNEVEN = 2.0
-"""Longest edge that a weave takes as it is, in sides of as many equilateral triangles with the same area."""
-
-FEWEST = 2_000
-"""Least number of triangles of the largest component for a weave; a surface with fewer is remeshed."""
-
-COARSEST, FINEST = 4_000, 10_000
-"""A surface remeshed for a weave gets this many triangles on its largest component, at least; and this many
-in all, at most."""
-
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
@@ -118,48 +108,6 @@ def remeshed(prepared: Prepared, faces: int, *, name: str = "mesh") -> Prepared:
     except MeshError as error:
         raise MeshError(f"{name}: {error}") from None
     return Prepared(mesh, replace(prepared.report, remeshed_from=prepared.mesh.n_faces))
-
-
-def evened(prepared: Prepared, *, name: str = "mesh") -> Prepared:
-    """Remesh a surface whose triangles are too uneven or too few to weave on; leave any other as it is.
-
-    One long edge makes a whole weave coarse, because the steepest edge sets its density (footnote 4). The
-    paper remeshes every input (Sections 5.2 and 6; DEVIATIONS.md, remeshed-first). Here a surface is remeshed
-    if its longest edge exceeds ``UNEVEN sqrt(4 A / (sqrt(3) F))`` for the area A and F faces, or if its
-    largest component has fewer than ``FEWEST`` faces. It gets as many faces as it had, but at least
-    ``COARSEST`` on the largest component and at most ``FINEST`` in all; more where its topology needs more.
-
-    Parameters
-    ----------
-    prepared : the surface, of any scale
-    name : of the file, for the message
-
-    Raises
-    ------
-    MeshError
-        If no such number of triangles keeps the topology.
-
-    Examples
-    --------
-    >>> ball = gw.shapes.icosahedron()
-    >>> gw.meshing.evened(gw.meshing.prepare_arrays(ball.vertices, ball.faces)).mesh.n_faces > 3_900
-    True
-    """
-    mesh = prepared.mesh
-    side = np.sqrt(4.0 * mesh.face_areas.sum() / (np.sqrt(3.0) * mesh.n_faces))
-    areas = np.bincount(mesh.face_components, mesh.face_areas)
-    largest = float(areas.max() / areas.sum())
-    if mesh.n_faces * largest >= FEWEST and mesh.edge_lengths.max() <= UNEVEN * side:
-        return prepared
-    faces = int(min(max(mesh.n_faces, round(COARSEST / largest)), FINEST))
-    most = 4 * max(mesh.n_faces, faces)
-    while True:
-        try:
-            return remeshed(prepared, faces, name=name)
-        except MeshError:
-            faces *= 2
-            if faces > most:
-                raise
 
 
 def prepare_arrays(

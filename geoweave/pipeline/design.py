@@ -236,7 +236,7 @@ def weave_file(
     cut, wanted = formats_of(request.formats_wanted, request.size)
     seconds: dict[str, float] = {}
     with about(source.name):
-        prepared = _even_surface(source, seconds, say)
+        prepared = _even_surface(source, request, seconds, say)
         weave, inspection = _designed(prepared, source.seed, request, seconds, say)
         relaxed = _relaxed(weave, seconds, say) if request.relax else None
         with timed(seconds, "write"):
@@ -260,14 +260,14 @@ def weave_file(
     )
 
 
-def _even_surface(source: MeshSource, seconds: dict[str, float], say: Say) -> Prepared:
-    """Read a mesh; one whose triangles are too few or uneven is remeshed, unless a number was asked for."""
+def _even_surface(source: MeshSource, request: WeaveRequest, seconds: dict[str, float], say: Say) -> Prepared:
+    """Read a mesh; if nothing is said of its triangles, it is remeshed for the weave that is asked for."""
     from geoweave.meshing import evened
 
     prepared = prepared_surface(source, seconds, say)
     if source.faces is None:
         with timed(seconds, "remesh"):
-            prepared = evened(prepared, name=source.name)
+            prepared = evened(prepared, ribbons=request.ribbons, name=source.name)
     return prepared
 
 

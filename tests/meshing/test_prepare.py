@@ -3,7 +3,7 @@ import pytest
 from meshfiles import FORMATS, fin, moebius_strip, octahedron, sheet, soup, sphere, write
 
 from geoweave.errors import MeshError
-from geoweave.meshing.prepare import COARSEST, UNEVEN, evened, prepare_arrays, read_mesh
+from geoweave.meshing.prepare import prepare_arrays, read_mesh
 from geoweave.meshing.report import RepairReport
 
 CLEAN = RepairReport()
@@ -226,54 +226,3 @@ def test_remeshing_is_reported(tmp_path):
     assert prepared.report.sentences() == ["remeshed, from 512 faces"]
     with pytest.raises(MeshError, match=r"sphere\.off: cannot remesh to 2 faces"):
         read_mesh(tmp_path / "sphere.off", faces=2)
-
-
-def test_only_uneven_or_few_triangles_are_remeshed_for_a_weave():
-    from geoweave.models import shapes
-
-    even = prepare_arrays(*arrays_of(shapes.torus(faces=2400)))
-    assert evened(even) is even
-    # stretched to six times its length, the same torus has long triangles
-    points, faces = arrays_of(shapes.torus(faces=2400))
-    stretched = prepare_arrays(points * [6.0, 1.0, 1.0], faces)
-    coarse = prepare_arrays(*arrays_of(shapes.torus(faces=300)))
-    for prepared in (stretched, coarse):
-        found = evened(prepared)
-        assert found.mesh.genus == 1
-        assert abs(found.mesh.n_faces - COARSEST) <= 2
-        assert found.report.remeshed_from == prepared.mesh.n_faces
-        side = np.sqrt(4.0 * found.mesh.face_areas.sum() / (np.sqrt(3.0) * found.mesh.n_faces))
-        assert found.mesh.edge_lengths.max() < UNEVEN * side
-        assert found.mesh.face_areas.sum() == pytest.approx(prepared.mesh.face_areas.sum(), rel=0.02)
-
-
-def test_the_largest_of_several_components_gets_enough_triangles():
-    from geoweave.models import shapes
-
-    points, faces = arrays_of(shapes.torus(faces=900))
-    two = prepare_arrays(
-        np.concatenate([points, 0.5 * points + 5.0]), np.concatenate([faces, faces + len(points)])
-    )
-    found = evened(two).mesh
-    # four fifths of the area
-    assert np.bincount(found.face_components).max() == pytest.approx(COARSEST, rel=0.02)
-    assert found.n_components == 2
-
-
-def test_a_topology_that_asks_for_more_triangles_gets_them(monkeypatch):
-    from geoweave.meshing import prepare
-
-    asked = []
-
-    def refusing(prepared, faces, *, name):
-        asked.append(faces)
-        raise MeshError(f"{name}: too few")
-
-    monkeypatch.setattr(prepare, "remeshed", refusing)
-    with pytest.raises(MeshError, match="blob: too few"):
-        evened(prepare_arrays(*sphere(2)), name="blob")
-    assert asked == [COARSEST, 2 * COARSEST, 4 * COARSEST]
-
-
-def arrays_of(mesh):
-    return mesh.vertices, mesh.faces
