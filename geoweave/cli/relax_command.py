@@ -29,6 +29,7 @@ def relax(file: str, output: str, as_json: bool) -> None:
         [
             ("rods", f"{result['rods']:,}"),
             ("contacts", f"{result['contacts']:,}"),
+            *(("repaired", sentence) for sentence in result.get("repairs", ())),
             ("at rest", f"{ended}, after {result['steps']} steps: {result['ending']}"),
             ("elastic energy", f"{result['elastic_before']:.4g} -> {result['elastic_after']:.4g}"),
             ("moved", f"{moved['mean']:.2%} of the diagonal in the mean, at most {moved['largest']:.2%}"),

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from geoweave.errors import RodError
 from geoweave.files import OutputError, checked_folder
 from geoweave.pipeline.source import Say, silent, timed
 from geoweave.pipeline.weave_folder import DESIGN, earlier_report, text_jobs, write_reported
@@ -34,6 +35,8 @@ class RestOfFile:
     """Length of one unit of the rods, in the unit of the file."""
     seconds: dict[str, float]
     files: dict[str, Path]
+    repairs: tuple[str, ...] = ()
+    """What was put right as the file was read, a sentence each."""
 
     def document(self) -> dict[str, Any]:
         """All numbers, as ``geoweave relax --json`` prints them."""
@@ -41,6 +44,7 @@ class RestOfFile:
             "file": str(self.path),
             "rods": len(self.start),
             "contacts": len(self.start.contacts),
+            **({"repairs": list(self.repairs)} if self.repairs else {}),
             **rest_numbers(self.start, self.rest, self.unit),
             "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
             "files": [str(path) for path in self.files.values()],
@@ -71,16 +75,22 @@ def relax_file(
     path, target, say = Path(file), checked_folder(folder), callback or silent
     seconds: dict[str, float] = {}
     weave, center = None, None
+    repairs: tuple[str, ...] = ()
     with timed(seconds, "read"):
         if path.suffix.lower() == ".rod":
-            start, unit = rods_of_file(read_rods(path)), 1.0
+            content = read_rods(path)
+            repairs = content.repairs
+            try:
+                start, unit = rods_of_file(content), 1.0
+            except RodError as error:
+                raise RodError(f"{path}: {error}") from error
         else:
             weave = read_weave(path)
             start, center, unit = rods_of_document(weave, path.name)
     own = _holds_the_weave(target, path)
     with timed(seconds, "relax"):
         rest = relax_rods(start, callback=_telling(say))
-    said = rest_numbers(start, rest, unit)
+    said = rest_numbers(start, rest, unit) | ({"repairs": list(repairs)} if repairs else {})
     with timed(seconds, "write"):
         name, text = _relaxed_text(weave, rest, center, unit, said)
         before = earlier_report(target) if own else {}
@@ -88,7 +98,7 @@ def relax_file(
         report = before | {"file": path.name, "relax": said}
         files = write_reported(text_jobs({name: text}), report, target, kept=DESIGN if own else ())
     seconds["total"] = sum(seconds.values())
-    return RestOfFile(path, start, rest, unit, seconds, files)
+    return RestOfFile(path, start, rest, unit, seconds, files, repairs)
 
 
 def rest_numbers(start: Rods, rest: Equilibrium, unit: float) -> dict[str, Any]:

@@ -11,7 +11,6 @@ Which rod lies above at a crossing is not in the file.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from os import PathLike
@@ -23,6 +22,8 @@ from numpy.typing import ArrayLike
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import RodError
 from geoweave.files import replacing
+from geoweave.rods.rod_repairs import DIRECTOR_TOLERANCE, squared
+from geoweave.rods.rod_words import Words
 from geoweave.weave import Passages
 
 __all__ = [
@@ -40,11 +41,6 @@ MAGIC = -217
 """The first number of a file of version 1 or later."""
 NEWEST = 2
 """The version that is written."""
-
-_DIRECTOR_TOLERANCE = 1e-3
-"""How far directors may be from unit length and from square to their segments: files hold six digits."""
-_WHOLE = re.compile(r"[+-]?[0-9]{1,18}")
-_NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +107,7 @@ class Rod:
             raise RodError(f"segment {bad} has the width {widths[bad]:g}; make it positive")
         norms = np.linalg.norm(directors, axis=1)
         leaning = np.abs((directors * steps).sum(axis=1)) / lengths
-        askew = (np.abs(norms - 1) > _DIRECTOR_TOLERANCE) | (leaning > _DIRECTOR_TOLERANCE)
+        askew = (np.abs(norms - 1) > DIRECTOR_TOLERANCE) | (leaning > DIRECTOR_TOLERANCE)
         if askew.any():
             bad = _first(askew)
             raise RodError(
@@ -175,6 +171,8 @@ class RodFile:
     """Young's modulus, force per area, positive."""
     density: float
     """Mass per volume, not negative."""
+    repairs: tuple[str, ...] = ()
+    """What was put right when the file was read, a sentence each."""
 
     def __post_init__(self) -> None:
         for name, value, ok in (
@@ -224,59 +222,17 @@ def _problem(crossing: RodCrossing, rods: tuple[Rod, ...]) -> str:
     return ""
 
 
-class _Words:
-    """The words of a file, one after another, and the lines they stand in."""
-
-    def __init__(self, text: str) -> None:
-        rows = [line.split() for line in text.split("\n")]
-        self.words = [word for row in rows for word in row]
-        self.lines = np.repeat(np.arange(1, len(rows) + 1), [len(row) for row in rows])
-        self.at = 0
-
-    def line(self, back: int = 1) -> int:
-        """Number of the line of the word read last (or ``back`` words ago)."""
-        place = min(max(self.at - back, 0), len(self.lines) - 1)
-        return int(self.lines[place]) if len(self.lines) else 1
-
-    def take(self, count: int, what: str) -> list[str]:
-        """Return the next words, refusing before anything is allocated if there are not so many."""
-        left = len(self.words) - self.at
-        if count > left:
-            raise RodError(
-                f"line {self.line()}: {what} need {count} more numbers but {left} follow; "
-                f"the file is cut short or a count is wrong, export it again"
-            )
-        self.at += count
-        return self.words[self.at - count : self.at]
-
-    def whole(self, what: str, least: int = 0, most: int | None = None) -> int:
-        """Return the next word, a whole number in a range."""
-        (word,) = self.take(1, what)
-        value = int(word) if _WHOLE.fullmatch(word) else None
-        if value is None or value < least or (most is not None and value > most):
-            span = f"from {least} on" if most is None else f"from {least} to {most}"
-            raise RodError(f"line {self.line()}: {what} is '{word}', not a whole number {span}; correct it")
-        return value
-
-    def numbers(self, count: int, what: str) -> Scalars:
-        """Return the next words as numbers."""
-        words = self.take(count, what)
-        for k, word in enumerate(words):
-            if not _NUMBER.fullmatch(word):
-                raise RodError(
-                    f"line {self.line(count - k)}: '{word}' among {what} is not a finite number; correct it"
-                )
-        return np.array(words, dtype=np.float64)
-
-
 def read_rods(path: str | PathLike[str]) -> RodFile:
     """Read a .rod file of version 0, 1 or 2; what the older ones lack is zero, and visible.
+
+    What RibbonSim reads with a warning is put right, and `RodFile.repairs` says so: directors that lean, rods
+    with too few vertices, numbers after the last crossing.
 
     Raises
     ------
     RodError
-        If it cannot be read or holds anything that `Rod` or `RodFile` refuses, words that are no numbers, too
-        few or too many of them; the sentence names the file, the line and the remedy.
+        If it cannot be read or holds anything that `Rod` or `RodFile` refuses, words that are no numbers or
+        too few of them; the sentence names the file, the line and the remedy.
 
     >>> gw.rods.read_rods("no such.rod")
     Traceback (most recent call last):
@@ -291,12 +247,12 @@ def read_rods(path: str | PathLike[str]) -> RodFile:
     except UnicodeDecodeError as error:
         raise RodError(f"{source}: byte {error.start} is no text; a .rod file holds numbers only") from error
     try:
-        return _parsed(_Words(text))
+        return _parsed(Words(text))
     except RodError as error:
         raise RodError(f"{source}: {error}") from error
 
 
-def _parsed(words: _Words) -> RodFile:
+def _parsed(words: Words) -> RodFile:
     version = 0
     if words.words[:1] == [str(MAGIC)]:
         words.take(1, "the file")
@@ -304,37 +260,58 @@ def _parsed(words: _Words) -> RodFile:
     count = words.whole("the number of rods")
     crossing_count = words.whole("the number of crossings")
     thickness, young, density = words.numbers(3, "thickness, Young's modulus and density").tolist()
-    rods = []
+    rods: list[Rod] = []
+    numbers: list[int] = []  # of the rods that are kept, -1 for those that are left out
+    short, leaning = 0, 0
     for number in range(count):
         start = words.at
         try:
-            rods.append(_parsed_rod(words, version, f"rod {number}"))
+            rod, changed = _parsed_rod(words, version, f"rod {number}")
         except RodError as error:
             if str(error).startswith("line "):
                 raise
             raise RodError(f"line {words.line(words.at - start)}: rod {number}: {error}") from error
+        numbers.append(-1 if rod is None else len(rods))
+        rods += [] if rod is None else [rod]
+        short, leaning = short + (rod is None), leaning + changed
     crossings = []
     for number in range(crossing_count):
-        pair, segments = (
-            (words.whole(f"{what} of crossing {number}"), words.whole(f"{what} of crossing {number}"))
-            for what in ("a rod", "a segment")
-        )
-        one, two, stiffness = words.numbers(3, f"the places and the stiffness of crossing {number}").tolist()
-        crossing = RodCrossing(pair, segments, (one, two), stiffness)
+        crossing = _parsed_crossing(words, number, numbers)
+        if crossing is None:
+            continue
         problem = _problem(crossing, tuple(rods))
         if problem:
             raise RodError(f"line {words.line(7)}: crossing {number} {problem}; correct or remove it")
         crossings.append(crossing)
-    left = len(words.words) - words.at
-    if left:
-        words.at += 1
-        raise RodError(
-            f"line {words.line()}: {left} numbers follow the last crossing; a count is wrong, export it again"
-        )
-    return RodFile(tuple(rods), tuple(crossings), thickness, young, density)
+    lost, left = crossing_count - len(crossings), len(words.words) - words.at
+    repairs = (
+        (leaning, f"directors made unit vectors square to their segments: {leaning}"),
+        (short, f"rods with too few vertices, left out: {short}, with {lost} of the crossings"),
+        (left, f"numbers after the last crossing, left out: {left}"),
+    )
+    said = tuple(sentence for number, sentence in repairs if number)
+    return RodFile(tuple(rods), tuple(crossings), thickness, young, density, said)
 
 
-def _parsed_rod(words: _Words, version: int, name: str) -> Rod:
+def _parsed_crossing(words: Words, number: int, numbers: list[int]) -> RodCrossing | None:
+    """Read a crossing; None if a rod of it was left out."""
+    (one, other), segments = (
+        (words.whole(f"{what} of crossing {number}"), words.whole(f"{what} of crossing {number}"))
+        for what in ("a rod", "a segment")
+    )
+    first, second, stiffness = words.numbers(3, f"the places and the stiffness of crossing {number}").tolist()
+    for rod in (one, other):
+        if rod >= len(numbers):
+            raise RodError(
+                f"line {words.line(7)}: crossing {number} names rod {rod} of {len(numbers)}; "
+                "correct or remove it"
+            )
+    pair = (numbers[one], numbers[other])
+    return None if min(pair) < 0 else RodCrossing(pair, segments, (first, second), stiffness)
+
+
+def _parsed_rod(words: Words, version: int, name: str) -> tuple[Rod | None, int]:
+    """Read a rod, None if it is too short for one, and count the directors that were put right."""
     vertices = words.whole(f"the number of vertices of {name}")
     closed = words.whole(f"the closed flag of {name}", 0, 1) == 1
     visible, color = True, 0
@@ -349,7 +326,12 @@ def _parsed_rod(words: _Words, version: int, name: str) -> Rod:
     colors = words.numbers(count, f"the segment colours of {name}") if version >= 2 else np.zeros(count)
     if (colors != np.floor(colors)).any():
         raise RodError("its segment colours are not whole numbers; correct them")
-    return Rod(centerline, directors, widths, closed, angles, visible, color, colors.astype(np.int64))
+    if vertices < (3 if closed else 2):
+        return None, 0
+    directors, changed = squared(centerline, directors, closed)
+    return Rod(
+        centerline, directors, widths, closed, angles, visible, color, colors.astype(np.int64)
+    ), changed
 
 
 def rod_text(content: RodFile) -> str:

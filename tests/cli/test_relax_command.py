@@ -86,3 +86,27 @@ def test_what_cannot_be_relaxed(tmp_path: Path, capfd: pytest.CaptureFixture[str
         assert main.main(["relax", str(tmp_path / name), "-o", str(tmp_path / "out")]) == 2
         assert words in capfd.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_rods_that_cannot_be_relaxed_are_told_with_their_file(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "point.rod"
+    bar = "3 0  0 0 0  1 0 0  {}  0 0 1  0 0 1  0.1 0.1"
+    # A rod that goes forth and back again is nothing once the fold is merged.
+    path.write_text(f"1 0 0.01 1e6 1\n{bar.format('1e-300 0 0')}\n")
+    assert main.main(["relax", str(path), "-o", str(tmp_path / "out")]) == 2
+    said = capfd.readouterr().err
+    assert str(path) in said
+    assert "leave it out" in said
+    assert not (tmp_path / "out" / "relaxed.rod").exists()
+
+
+def test_what_was_repaired_is_said(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "lean.rod"
+    bar = "3 0  0 0 0  1 0 0  2 0 0  0 0 1  0 0.2 1.5  0.1 0.1"
+    path.write_text(f"1 0 0.01 1e6 1\n{bar}\n")
+    assert main.main(["relax", str(path), "-o", str(tmp_path / "out"), "--json"]) == 0
+    assert json.loads(capfd.readouterr().out)["repairs"] == [
+        "directors made unit vectors square to their segments: 1"
+    ]
