@@ -21,16 +21,21 @@ DOUBTS = 5
 @click.option("--anyway", is_flag=True, help="Put together also a pattern that contradicts itself.")
 @as_json
 def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
-    """Put a pattern.json together in simulation, and say whether the woven object comes back."""
+    """Put a pattern.json together in simulation, and say whether the woven object comes back.
+
+    Exits with 1 if the strips close into another surface than the design's.
+    """
     from geoweave.pipeline import twin_file
 
     with status() as say:
         made = twin_file(source, output, anyway=anyway, callback=say)
     if as_json:
         print_json(made.document())
-        return
-    print_table(str(made.path), _rows(made))
-    click.echo(sentence(made))
+    else:
+        print_table(str(made.path), _rows(made))
+        click.echo(sentence(made))
+    if not made.closes_as_designed:
+        raise click.exceptions.Exit(1)
 
 
 def sentence(made: TwinOfFile) -> str:
@@ -44,6 +49,14 @@ def sentence(made: TwinOfFile) -> str:
     far = f"{target.crossings.mean:.1%} of the diagonal in the mean, {target.crossings.largest:.1%} at most"
     one, other = (pattern.strips[r].label for r in pattern.ribbons[target.worst])
     where = f"{target.crossings.largest * target.diagonal:.3g} mm, where {one} crosses {other}"
+    if not made.closes_as_designed:
+        net = made.twin.surface
+        return (
+            f"Do not cut these strips: they close into a surface of genus {net.genus} with "
+            f"{_count(net.openings, 'opening')}, and the design has genus {made.genus_designed} with "
+            f"{_count(made.openings_designed or 0, 'opening')}. Weave it again with fewer ribbons or more "
+            "--faces."
+        )
     if not target.comes_back:
         return f"The object does not come back: its crossings are {far} from those of {name} ({where})."
     end = f" Check {contradiction_sentence(pattern, doubts[0])}." if doubts else ""
@@ -60,8 +73,8 @@ def _rows(made: TwinOfFile) -> list[tuple[str, str]]:
     net, doubts = result["topology"], result["topology"]["contradictions"]
     closed = f"they close into a surface of genus {net['genus']} with {_count(net['openings'], 'opening')}"
     if made.genus_designed is not None:
-        same = net["genus"] == made.genus_designed
-        closed += ", as designed" if same else f"; the design has genus {made.genus_designed}"
+        design = f"genus {made.genus_designed} with {_count(made.openings_designed or 0, 'opening')}"
+        closed += ", as designed" if made.closes_as_designed else f"; the design has {design}"
     strain, bow = result["strain"], result["bow"]
     rows = [
         ("ribbons", f"{result['ribbons']:,}"),

@@ -43,8 +43,16 @@ class TwinOfFile:
     """By "woven" (as relaxed) and "designed"; only those that lie beside the pattern."""
     genus_designed: int | None
     """Of the surface that the weave was designed on; None if no design lies beside the pattern."""
+    openings_designed: int | None
+    """Of the net of the weave as designed; None if no design lies beside the pattern."""
     seconds: dict[str, float]
     files: dict[str, Path]
+
+    @property
+    def closes_as_designed(self) -> bool:
+        """Whether the strips have the genus and openings of the design; true if there is none."""
+        net = self.twin.surface
+        return self.genus_designed in (None, net.genus) and self.openings_designed in (None, net.openings)
 
     @property
     def target(self) -> Likeness | None:
@@ -67,6 +75,8 @@ class TwinOfFile:
             "crossings": len(self.twin.pattern.ribbons),
             **twin_numbers(self.twin, self.likeness),
             "genus_designed": self.genus_designed,
+            "openings_designed": self.openings_designed,
+            "closes_as_designed": self.closes_as_designed,
             "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
             "files": [str(path) for path in self.files.values()],
         }
@@ -115,8 +125,18 @@ def twin_file(
     with timed(seconds, "write"):
         files = _write(path, target, twin, likeness)
     seconds["total"] = sum(seconds.values())
-    genus = beside["designed"]["surface"]["genus"] if "designed" in beside else None
-    return TwinOfFile(path, twin, likeness, genus, seconds, files)
+    genus, openings = _designed(beside.get("designed"))
+    return TwinOfFile(path, twin, likeness, genus, openings, seconds, files)
+
+
+def _designed(weave: Mapping[str, Any] | None) -> tuple[int | None, int | None]:
+    """Genus of the surface of a design, and openings of its net, which are counted as those of the strips."""
+    from geoweave.fabrication import pattern_of
+    from geoweave.twin import surface_of
+
+    if weave is None:
+        return None, None
+    return weave["surface"]["genus"], surface_of(pattern_of(weave)).openings
 
 
 def _wanted(path: Path) -> list[str]:

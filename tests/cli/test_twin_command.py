@@ -81,10 +81,16 @@ def test_a_pattern_that_contradicts_itself(folder: Path, capfd: pytest.CaptureFi
     assert captured.err.startswith(f"geoweave: {folder / 'pattern.json'}: the pattern contradicts itself")
     assert f"crossing {x} of" in captured.err
     assert not (folder / "twin.json").exists()
-    assert main.main(["twin", str(folder), "--anyway", "--json"]) == 0
+    assert main.main(["twin", str(folder), "--anyway", "--json"]) == 1
     result = json.loads(capfd.readouterr().out)
     assert result["topology"]["genus"] == 1
+    assert result["genus_designed"] == 0
+    assert not result["closes_as_designed"]
     assert len(result["topology"]["contradictions"]) == 1
+    assert main.main(["twin", str(folder), "--anyway"]) == 1
+    said = capfd.readouterr().out
+    assert "Do not cut these strips: they close into a surface of genus 1" in said
+    assert "comes back" not in said
 
 
 @pytest.mark.parametrize(

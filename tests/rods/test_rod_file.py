@@ -134,7 +134,7 @@ def fewest_broken(crossings):
 def test_peer_weaves_alternate(name):
     """The paper's cone can alternate throughout, its torus cannot; what it can do is proven twice over."""
     crossings = read_rods(PEER / f"{name}.rod").placed()
-    found = optimal(crossings, 60.0)
+    found = optimal(crossings)
     assert found.proven
     assert judged(crossings, found.over).broken.sum() == found.broken.sum() == fewest_broken(crossings)
     assert (found.broken.sum() == 0) == (name == "cone60")
