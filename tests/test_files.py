@@ -1,12 +1,25 @@
 import hashlib
 import os
 import stat
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from geoweave.files import Job, OutputError, check_writable, replacing, sha256_of, written_together
+from geoweave.files import (
+    Job,
+    OutputError,
+    check_writable,
+    checked_folder,
+    printable,
+    recovered,
+    replacing,
+    sha256_of,
+    text_job,
+    written_together,
+)
 
 
 def contents(folder):
@@ -67,11 +80,27 @@ def test_places_that_cannot_be_written_are_refused_before_the_work(tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["file", "pipe"]
 
 
-def test_a_folder_without_permission_is_refused(tmp_path, monkeypatch):
-    # asked of the system instead of set up, because nothing is forbidden to root
-    monkeypatch.setattr(os, "access", lambda path, mode: False)
-    with pytest.raises(OutputError, match="is not writable; choose another place"):
-        check_writable(tmp_path / "out.npz")
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="a file system that nobody can write to")
+def test_a_folder_that_only_seems_writable_is_refused():
+    # the superuser has every permission there, and still nothing can be made
+    for path in ("/proc/out.npz", "/proc/x"):
+        with pytest.raises(OutputError, match=r"is not writable .*; choose another place"):
+            check_writable(path)
+    with pytest.raises(OutputError, match="is not writable"):
+        checked_folder("/proc/x")
+    with pytest.raises(OutputError, match="is not writable"):
+        checked_folder("/proc/self")
+
+
+def test_names_that_no_file_can_have_are_refused(tmp_path):
+    with pytest.raises(OutputError, match="has no name"):
+        check_writable("")
+    with pytest.raises(OutputError, match="has no name"):
+        checked_folder("")
+    for check in (check_writable, checked_folder):
+        with pytest.raises(OutputError, match="File name too long"):
+            check(tmp_path / ("x" * 300))
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_full_disk_is_one_sentence(tmp_path):
@@ -87,19 +116,124 @@ def test_an_error_about_another_file_is_left_alone(tmp_path):
     assert contents(tmp_path) == {}
 
 
-def test_what_lists_the_files_is_renamed_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    renamed = []
+def test_what_lists_the_files_is_moved_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    moved = []
     replace = os.replace
 
     def recorded(source: Any, target: Any) -> None:
-        renamed.append(Path(target).name)
+        moved.append(Path(target).name)
         replace(source, target)
 
+    (tmp_path / "list").write_text("what was there before")
     monkeypatch.setattr(os, "replace", recorded)
-    jobs = {name: (lambda path: path.write_text("x")) for name in ("a", "b")}
+    jobs = {name: text_job("x") for name in ("a", "b")}
     written_together(jobs, tmp_path, index=("list", lambda path, digests: path.write_text("a b")))
-    assert sorted(renamed) == ["a", "b", "list"]
-    assert renamed[-1] == "list"
+    assert moved[-3:] == ["a", "b", "list"]
+
+
+WRITER = """
+import os, sys
+from pathlib import Path
+from geoweave.files import text_job, written_together
+
+moves = 0
+
+def held(move, source, target):
+    # one move is made; before the next one the test is told, and holds this process until it kills it
+    global moves
+    if Path(source).parent.name == "files" or Path(source).name == "files":
+        moves += 1
+        if moves == int(sys.argv[2]):
+            print("between", flush=True)
+            sys.stdin.read()
+    move(source, target)
+
+replace, rename = os.replace, os.rename
+os.replace = lambda source, target: held(replace, source, target)
+os.rename = lambda source, target: held(rename, source, target)
+jobs = {name: text_job(f"new {name}") for name in ("a", "b")}
+index = ("list", lambda path, digests: path.write_text("new " + " ".join(digests)))
+written_together(jobs, sys.argv[1], stale={"c": sys.argv[3]}, index=index)
+"""
+
+
+def killed(folder: Path, move: int, stale: str = "") -> None:
+    """Write two files and their index into a folder, in a process that is killed before a move."""
+    command = [sys.executable, "-c", WRITER, str(folder), str(move), stale]
+    child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    assert child.stdout is not None
+    assert child.stdout.readline() == "between\n"
+    # while it lives nobody takes its files away
+    before = sorted(folder.parent.rglob("*"))
+    recovered(folder)
+    assert sorted(folder.parent.rglob("*")) == before
+    child.kill()
+    child.communicate()
+
+
+@pytest.mark.parametrize("move", [1, 2, 3])
+def test_what_a_killed_run_had_begun_to_move_is_finished(tmp_path: Path, move: int) -> None:
+    folder = tmp_path / "there"
+    folder.mkdir()
+    for name in ("a", "b", "c", "list", "mine"):
+        (folder / name).write_text("old")
+    killed(folder, move, sha256_of(folder / "c"))
+    assert not (folder / "list").exists()  # what lists the files never contradicts them
+    recovered(folder)
+    assert contents(folder) == {"a": "new a", "b": "new b", "list": "new a b", "mine": "old"}
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
+    assert not [path for path in folder.iterdir() if path.is_dir()]
+
+
+def test_of_a_killed_run_a_new_folder_holds_nothing_at_all(tmp_path: Path) -> None:
+    folder = tmp_path / "new"
+    killed(folder, 1)
+    assert not folder.exists()
+    assert len(list(tmp_path.iterdir())) == 1
+    written_together({"a": text_job("mine")}, folder)
+    assert [path.name for path in tmp_path.iterdir()] == ["new"]
+    assert contents(folder) == {"a": "mine"}
+
+
+def test_what_was_left_before_the_first_move_is_cleared(tmp_path: Path) -> None:
+    left = tmp_path / ".geoweave-0123abcd"
+    (left / "files").mkdir(parents=True)
+    (left / "lock").write_text("")
+    (left / "files" / "a").write_text("half")
+    written_together({"b": text_job("whole")}, tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["b"]
+    # a file by itself too, and nothing that only looks like one of ours
+    for name in (".out.0123abcd.txt", ".out.mine.txt", "out.0123abcd.txt"):
+        (tmp_path / name).write_text("")
+    with replacing(tmp_path / "out.txt") as temporary:
+        temporary.write_text("whole")
+        with replacing(tmp_path / "out.txt") as second:  # as another process would: the first one lives
+            second.write_text("second")
+        assert temporary.read_text() == "whole"
+    assert sorted(contents(tmp_path)) == [".out.mine.txt", "b", "out.0123abcd.txt", "out.txt"]
+
+
+def test_an_interruption_between_moves_is_obeyed_after_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    replace = os.replace
+    once = [KeyboardInterrupt()]
+
+    def interrupted(source: Any, target: Any) -> None:
+        if Path(target).name == "b" and once:
+            raise once.pop()
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        written_together({name: text_job(name) for name in ("a", "b")}, tmp_path)
+    assert contents(tmp_path) == {"a": "a", "b": "b"}
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_names_that_are_not_utf8_can_be_written_down() -> None:
+    assert printable("M\u00f6bius") == "M\u00f6bius"
+    assert printable(os.fsdecode(b"M\xf6bius")).encode() == "M\ufffdbius".encode()
 
 
 def test_files_of_an_earlier_run_go_unless_they_were_changed(tmp_path: Path) -> None:

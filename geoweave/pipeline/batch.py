@@ -18,17 +18,17 @@ import traceback
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import asdict, dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 from geoweave.checkout import PACKAGE, package_version
 from geoweave.errors import GeoweaveError
-from geoweave.files import OutputError, check_writable, sha256_of, written_together
+from geoweave.files import OutputError, check_writable, sha256_of, text_job, written_together
 from geoweave.pipeline.design import WeaveRequest, weave_file
 from geoweave.pipeline.source import MeshSource, names_a_data_set
 from geoweave.pipeline.sweep_table import TABLES, Row, table_texts
-from geoweave.pipeline.weave_folder import listed_files, text_jobs, write_texts
+from geoweave.pipeline.weave_folder import listed_files, write_texts
 from geoweave.pipeline.workers import on_cluster, on_this_machine
 
 __all__ = ["Job", "folder_names", "jobs_of", "sweep", "weave_one"]
@@ -297,32 +297,25 @@ def _kept(job: Job, folder: Path) -> Row | None:
 
 
 def _settled(job: Job, outcome: Mapping[str, Any], folder: Path) -> Row:
-    """Move what was woven to its place; the record last, which says that it is whole."""
+    """Move what was woven to its place, all or nothing; the record says that it is whole."""
     target, made = folder / job.name, Path(job.folder)
     if "result" not in outcome:
         return Row(job.mesh, job.name, "failed", outcome["problem"], None, outcome.get("fault", ""))
+
+    def record(path: Path, digests: dict[str, str]) -> None:
+        about = {"format": FORMAT, "version": VERSION, "key": job.key, "files": digests}
+        text = json.dumps({**about, "result": outcome["result"]}, indent=1, allow_nan=False) + "\n"
+        text_job(text)(path)
+
     try:
-        target.mkdir(exist_ok=True)
-        stale = listed_files(target)
-        (target / RECORD).unlink(missing_ok=True)
-        files = {path.name: sha256_of(path) for path in sorted(made.iterdir())}
-        for name in files:
-            os.replace(made / name, target / name)
-        record = {
-            "format": FORMAT,
-            "version": VERSION,
-            "key": job.key,
-            "files": files,
-            "result": outcome["result"],
-        }
-        text = json.dumps(record, indent=1, allow_nan=False) + "\n"
-        gone = {name: digest for name, digest in stale.items() if name not in files}
-        written_together(text_jobs({RECORD: text}), target, stale=gone)
+        names = sorted(path.name for path in made.iterdir())
+        moves = {name: partial(os.replace, made / name) for name in names}
+        written_together(moves, target, stale=listed_files(target), index=(RECORD, record))
     except OSError as error:
         return Row(job.mesh, job.name, "failed", f"{target}: cannot be written ({error.strerror})")
     except OutputError as error:
         return Row(job.mesh, job.name, "failed", str(error))
-    return Row(job.mesh, job.name, "done", result=_told(outcome["result"], job, target, files))
+    return Row(job.mesh, job.name, "done", result=_told(outcome["result"], job, target, names))
 
 
 def _told(result: Mapping[str, Any], job: Job, target: Path, files: Iterable[str]) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geoweave.errors import FieldError
-from geoweave.files import checked_folder
+from geoweave.files import checked_folder, printable
 from geoweave.pipeline.source import (
     MeshSource,
     Say,
@@ -319,7 +319,7 @@ def _pattern_jobs(
 
     if strips is None:
         return {}, {}
-    bench = Bench(title=Path(source.name).stem)
+    bench = Bench(title=printable(Path(source.name).stem))
     try:
         return jobs_of(strips.pattern, cut, bench=bench, weave=weave, rest=strips.space), {}
     except FieldError as error:

@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from geoweave.files import printable
+
 __all__ = ["COLUMNS", "TABLES", "Row", "table_texts"]
 
 TABLES = ("table.csv", "table.md")
@@ -73,10 +75,10 @@ def table_texts(rows: Sequence[Row]) -> dict[str, str]:
     head = ["mesh", "folder", *COLUMNS, "problem"]
     cells = [
         [
-            row.mesh,
-            row.folder,
+            printable(row.mesh),
+            printable(row.folder),
             *(("" if row.result is None else str(say(row.result))) for say in COLUMNS.values()),
-            row.problem,
+            printable(row.problem),
         ]
         for row in rows
     ]

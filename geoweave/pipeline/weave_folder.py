@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
-from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from geoweave.files import Job, chosen, written_together
+from geoweave.files import Job, chosen, text_job, written_together
 from geoweave.rods import Relaxed, RodFile, file_of_rods, rod_text, rods_of_ribbons
 from geoweave.weave import Inspection, Weave, inspected
 
@@ -138,7 +137,7 @@ def write_reported(
 
     def index(path: Path, digests: dict[str, str]) -> None:
         said = {**report, "files": stay | digests}
-        _write_text(path, json.dumps(said, indent=1, allow_nan=False) + "\n")
+        text_job(json.dumps(said, indent=1, allow_nan=False) + "\n")(path)
 
     stale = {name: digest for name, digest in before.items() if name not in kept}
     return written_together(jobs, folder, stale=stale, index=(REPORT, index))
@@ -175,8 +174,4 @@ def write_texts(texts: Mapping[str, str], folder: str | PathLike[str]) -> dict[s
 
 def text_jobs(texts: Mapping[str, str]) -> dict[str, Job]:
     """What writes each of these texts."""
-    return {name: partial(_write_text, text=text) for name, text in texts.items()}
-
-
-def _write_text(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8", newline="\n")
+    return {name: text_job(text) for name, text in texts.items()}
