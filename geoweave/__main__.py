@@ -2,7 +2,16 @@
 
 import sys
 
-from geoweave.cli.main import main
+
+def run() -> int:
+    """Run the command; also while it is imported, Ctrl-C ends it without a traceback."""
+    try:
+        from geoweave.cli.main import main
+
+        return main()
+    except KeyboardInterrupt:
+        return 130
+
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run())

@@ -377,8 +377,8 @@ def check_output(output: str | PathLike[str], source: str | PathLike[str]) -> No
 def checked_folder(output: str | PathLike[str]) -> Path:
     """Return a folder for results, or refuse it before any work is done for it; it is not made here.
 
-    What a killed run had begun to move there is moved, and what it left is cleared (`recovered`). A folder that
-    can neither be made nor written to is refused by an `OutputError`.
+    What a killed run had begun to move there is moved, and what it left is cleared (`recovered`). A folder
+    that can neither be made nor written to is refused by an `OutputError`.
     """
     if not os.fspath(output):
         raise OutputError("the folder for results has no name; give one with -o")

@@ -2,7 +2,8 @@
 
 Results go to stdout, progress to stderr and only if that is a terminal; ``--json`` prints one JSON object
 and nothing else. Exit status 0: done; 2: bad usage or bad input, with one line on stderr that names the file,
-what is wrong and what to do; 1: anything else. Heavy imports wait until a command needs them.
+what is wrong and what to do; 130: interrupted; 1: anything else. Heavy imports wait until a command needs
+them.
 """
 
 from __future__ import annotations
@@ -10,12 +11,17 @@ from __future__ import annotations
 import importlib
 import io
 import os
+import signal
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 
 import click
 
 from geoweave.errors import GeoweaveError, RenderError
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C: 128 and the number of the signal, as shells have it."""
 
 COMMANDS = {
     "doctor": "artifact_commands",
@@ -69,7 +75,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except GeoweaveError as error:
         return _refuse(str(error), 2)
     except KeyboardInterrupt:
-        return _refuse("interrupted; no file was left half-written", 1)
+        # A second Ctrl-C must not break in on what tidies up.
+        with suppress(ValueError):  # only the main thread may say so
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        return _refuse("interrupted; no file was left half-written", INTERRUPTED)
     except BrokenPipeError:
         # the reader of our output went away; the interpreter must not complain about it when it ends
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from geoweave.meshing import Components
     from geoweave.pipeline import Say
 
+Option = Callable[[Callable[..., None]], Callable[..., None]]
+"""Gives a command an option or an argument."""
+
 as_json = click.option("--json", "as_json", is_flag=True, help="Print one JSON object and nothing else.")
 mesh_argument = click.argument("name", metavar="MESH")
 meshes_argument = click.argument("names", metavar="MESH...", nargs=-1, required=True)
@@ -30,6 +33,30 @@ components_option = click.option(
 )
 faces_option = click.option(
     "--faces", type=click.IntRange(min=4), help="Remesh to about this many triangles."
+)
+
+
+class FacesOrGiven(click.ParamType[Any]):
+    """A number of triangles, or the word "given"."""
+
+    name = "faces"
+
+    def get_metavar(self, param: click.Parameter, *_: Any) -> str:
+        """How the help shows the value."""
+        return "given|N"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number or the word."""
+        if isinstance(value, str) and value.strip().lower() == "given":
+            return "given"
+        return click.IntRange(min=4).convert(value, param, ctx)
+
+
+own_faces_option = click.option(
+    "--faces",
+    type=FacesOrGiven(),
+    help="Remesh to about this many triangles, or weave on those that are given. By default weave finds a "
+    "mesh by itself: even, and fine enough for the ribbons.",
 )
 seed_option = click.option(
     "--seed", type=click.IntRange(min=0), default=0, help="Seed of the random numbers (0)."
@@ -50,18 +77,18 @@ class Positive(click.FloatRange):
         return number
 
 
-def surface_options(command: Callable[..., None]) -> Callable[..., None]:
+def surface_options(command: Callable[..., None], faces: Option = faces_option) -> Callable[..., None]:
     """Give a command the argument and the options that name a surface, and hand them over as one."""
 
     @wraps(command)
     def bundled(
-        name: str, faces: int | None, seed: int, repair: bool, components: Components, **others: Any
+        name: str, faces: Any, seed: int, repair: bool, components: Components, **others: Any
     ) -> None:
         from geoweave.pipeline import MeshSource
 
         command(MeshSource(name, faces, seed, repair, components), **others)
 
-    return _with_options(bundled, mesh_argument)
+    return _with_options(bundled, mesh_argument, faces)
 
 
 def surfaces_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -70,7 +97,7 @@ def surfaces_options(command: Callable[..., None]) -> Callable[..., None]:
     @wraps(command)
     def bundled(
         names: tuple[str, ...],
-        faces: int | None,
+        faces: Any,
         seed: int,
         repair: bool,
         components: Components,
@@ -80,13 +107,16 @@ def surfaces_options(command: Callable[..., None]) -> Callable[..., None]:
 
         command(tuple(MeshSource(name, faces, seed, repair, components) for name in names), **others)
 
-    return _with_options(bundled, meshes_argument)
+    return _with_options(bundled, meshes_argument, own_faces_option)
 
 
-def _with_options(
-    command: Callable[..., None], argument: Callable[[Callable[..., None]], Callable[..., None]]
-) -> Callable[..., None]:
-    for option in (components_option, repair_option, seed_option, faces_option, argument):
+def weave_surface_options(command: Callable[..., None]) -> Callable[..., None]:
+    """As `surface_options`, for a command that works on triangles of its own unless it is told not to."""
+    return surface_options(command, own_faces_option)
+
+
+def _with_options(command: Callable[..., None], argument: Option, faces: Option) -> Callable[..., None]:
+    for option in (components_option, repair_option, seed_option, faces, argument):
         command = option(command)
     return command
 

@@ -16,8 +16,8 @@ from geoweave.cli.options import (
     print_table,
     seconds_text,
     status,
-    surface_options,
     text_of,
+    weave_surface_options,
 )
 
 if TYPE_CHECKING:
@@ -107,7 +107,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 @click.command()
-@surface_options
+@weave_surface_options
 @click.option(
     "-o", "output", metavar="DIR", required=True, help="Folder for the results; made if it is not there."
 )

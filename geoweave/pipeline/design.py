@@ -33,6 +33,10 @@ if TYPE_CHECKING:
 __all__ = ["WeaveRequest", "WovenFiles", "formats_of", "weave_file"]
 
 
+BOUNDS = {"symmetry": 24, "ribbons": 100_000, "scale": 1e4, "size": 1e6, "width": 1e6, "thickness": 1e6}
+"""The largest numbers that can be asked for: far beyond what is woven, and short of what ends in overflow."""
+
+
 @dataclass(frozen=True)
 class WeaveRequest:
     """What a weave is to be like, and which files are to be written of it.
@@ -40,7 +44,7 @@ class WeaveRequest:
     Raises
     ------
     FieldError
-        If ``ribbons`` and ``scale`` are both given, or a number is not positive and finite.
+        If ``ribbons`` and ``scale`` are both given, or a number is not positive or out of reach.
 
     Examples
     --------
@@ -72,10 +76,34 @@ class WeaveRequest:
         """Refuse what contradicts itself."""
         if self.ribbons is not None and self.scale is not None:
             raise FieldError("ribbons and scale exclude each other; give one of them")
-        for name in ("scale", "size", "width", "thickness"):
+        for name, most in BOUNDS.items():
             value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0):
+            if value is None:
+                continue
+            if not (math.isfinite(value) and value > 0):
                 raise FieldError(f"{name} is {value}; give a positive number")
+            if value > most:
+                raise FieldError(f"{name} is {value:g}; give at most {most:g}")
+        if self.width is not None and self.thickness is not None and self.thickness > self.width:
+            raise FieldError(
+                f"a ribbon {self.width:g} wide cannot be {self.thickness:g} thick; make it thinner than wide"
+            )
+        if self.size is not None:
+            self.check_widths(self.size)
+
+    def check_widths(self, longest: float) -> None:
+        """Refuse ribbons that are wider or thicker than the object is long.
+
+        Parameters
+        ----------
+        longest : longest side of its bounding box, in the unit of the width
+        """
+        for name in ("width", "thickness"):
+            value = getattr(self, name)
+            if value is not None and value >= longest:
+                raise FieldError(
+                    f"the {name} of a ribbon is {value:g}, and the object {longest:g} long; give less"
+                )
 
     @property
     def formats_wanted(self) -> tuple[str, ...]:
@@ -262,9 +290,12 @@ def weave_file(
 
 def _even_surface(source: MeshSource, request: WeaveRequest, seconds: dict[str, float], say: Say) -> Prepared:
     """Read a mesh; if nothing is said of its triangles, it is remeshed for the weave that is asked for."""
+    import numpy as np
+
     from geoweave.meshing import evened
 
     prepared = prepared_surface(source, seconds, say)
+    request.check_widths(request.size or float(np.ptp(prepared.mesh.vertices, axis=0).max()))
     if source.faces is None:
         with timed(seconds, "remesh"):
             prepared = evened(prepared, ribbons=request.ribbons, name=source.name)

@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from geoweave.errors import FieldError, MeshError
 
@@ -37,14 +37,25 @@ class MeshSource:
 
     name: str
     """Path of a file, or name of a data set."""
-    faces: int | None = None
-    """Number of triangles that it is remeshed to; None for those that it has."""
+    faces: int | Literal["given"] | None = None
+    """Number of triangles that it is remeshed to, or "given" for those that it has.
+
+    None leaves it to the method: a field is found on the triangles that are there, a weave on even ones.
+    """
     seed: int = 0
     """Of the random numbers that the methods start from."""
     repair: bool = False
     """Whether to cut the surface apart along edges that more than two faces share."""
     components: Components = "keep"
     """Keep all components, or the one of largest area."""
+
+    def __post_init__(self) -> None:
+        """Refuse a number of triangles that is out of reach."""
+        if isinstance(self.faces, int):
+            from geoweave.meshing import check_face_count
+
+            with about(self.name):
+                check_face_count(self.faces)
 
 
 def source_of(mesh: str | os.PathLike[str] | MeshSource) -> MeshSource:
@@ -63,7 +74,7 @@ def prepared_surface(source: MeshSource, seconds: dict[str, float], say: Say) ->
     """
     with timed(seconds, "read"):
         prepared = read_surface(source, say)
-    if source.faces is not None:
+    if isinstance(source.faces, int):
         from geoweave.meshing import remeshed
 
         say(f"remeshing {source.name} to {source.faces:,} triangles")

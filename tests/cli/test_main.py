@@ -289,6 +289,9 @@ def test_weave_of_a_size_with_rods_for_a_number_of_ribbons(run, ball, tmp_path):
     assert (tmp_path / "again" / "weave.json").read_bytes() == (folder / "weave.json").read_bytes()
     first, second = (json.loads((tmp_path / name / "report.json").read_text()) for name in ("woven", "again"))
     assert first.pop("files").keys() - second.pop("files").keys() == {"weave.rod"}
+    assert (
+        second.pop("strips")["ribbons"] == result["ribbons"]
+    )  # the guide, which has strips, came with the size
     assert first == second
 
 
@@ -481,6 +484,22 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(run, ball, 
         (("info", "a", "b"), "unexpected extra argument"),
         (("info", "a", "--jsn"), "No such option"),
         (("info", "a", "--faces", "3"), "3 is not in the range"),
+        (("info", "a", "--faces", "1000000000"), "a: cannot remesh to 1,000,000,000 faces"),
+        (("field", "a", "--faces", "given"), "'given' is not a valid integer"),
+        (("weave", "a", "-o", "b", "--faces", "3"), "3 is not in the range"),
+        (("weave", "a", "-o", "b", "--faces", "even"), "'even' is not a valid integer"),
+        (("weave", "a", "-o", "b", "--width", "1e9"), "width is 1e+09; give at most"),
+        (("weave", "a", "-o", "b", "--width", "300", "--size", "200"), "300, and the object 200 long"),
+        (("weave", "a", "-o", "b", "--width", "3", "--thickness", "4"), "thinner than wide"),
+        (("weave", "spot", "-o", "b", "--width", "3"), "is 3, and the object"),
+        (("weave", "a", "-o", "b", "--ribbons", "1000000000"), "ribbons is 1e+09"),
+        (("weave", "a", "-o", "b", "--symmetry", "1000"), "symmetry is 1000"),
+        (("weave", "a", "-o", "b", "--size", "1e300"), "size is 1e+300"),
+        (("weave", "a", "-o", "b", "--scale", "1e300"), "scale is 1e+300"),
+        (("weave", "spot", "-o", ""), "the folder for results has no name"),
+        (("sweep", "spot", "-o", ""), "the folder for results has no name"),
+        (("field", "spot", "-o", ""), "the output has no name"),
+        (("field", "spot", "-o", "x" * 300), "File name too long"),
         (("info", "a", "--components", "some"), "'some' is not one of"),
         (("field", "a", "--seed", "x"), "'x' is not a valid integer"),
         (("field", "a", "--seed", "-1"), "-1 is not in the range"),
@@ -535,6 +554,50 @@ def test_python_m_geoweave(ball, tmp_path):
     assert odd.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize("name", ["Möbius", os.fsdecode(b"M\xf6bius")], ids=["utf8", "latin1"])
+def test_a_name_with_an_umlaut_in_the_c_locale(tmp_path, name):
+    folder = tmp_path / name
+    folder.mkdir()
+    cone = write(folder, name, "off", *sphere(3))
+    environment = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0"}
+    command = (sys.executable, "-m", "geoweave", "weave", os.fsencode(cone), "--no-relax", "--size", "200")
+    more = (
+        "--ribbons",
+        "8",
+        "--faces",
+        "800",
+        "--formats",
+        "svg,guide",
+        "--json",
+        "-o",
+        os.fsencode(folder / "out"),
+    )
+    done = subprocess.run(
+        [*command, *more],
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+        env=environment,
+        cwd=folder,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert json.loads(done.stdout)["ribbons"] > 0
+    page = (folder / "out" / "guide.html").read_text(encoding="utf-8")
+    title = "Möbius" if name == "Möbius" else "M\ufffdbius"
+    assert f"<title>{title}: how to weave it</title>" in page
+
+
+def test_control_c_while_it_starts_is_no_traceback(monkeypatch):
+    from geoweave import __main__
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(main, "main", interrupted)
+    assert __main__.run() == 130
+
+
 def test_info_imports_no_renderer(ball):
     program = (
         "import sys; from geoweave.cli.main import main; status = main(['info', sys.argv[1]]); "
@@ -578,7 +641,7 @@ def test_control_c_leaves_nothing_and_says_one_line(run, ball, tmp_path, monkeyp
     }[stage]
     monkeypatch.setattr(place, stage, interrupted)
     status, out, err = run("field", ball, "-o", tmp_path / "f.npz")
-    assert (status, out, err) == (1, "", "geoweave: interrupted; no file was left half-written\n")
+    assert (status, out, err) == (130, "", "geoweave: interrupted; no file was left half-written\n")
     assert os.listdir(tmp_path) == ["ball.off"]
 
 

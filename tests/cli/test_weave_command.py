@@ -60,6 +60,16 @@ def test_a_surface_of_few_triangles_is_remeshed_first(tmp_path, capfd: pytest.Ca
     assert (result["violations"], result["loose_ends"]) == (0, 0)
 
 
+def test_a_mesh_is_woven_on_as_it_is_if_that_is_asked_for(
+    tmp_path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    ball = write(tmp_path, "ball", "off", *sphere(3))
+    command = ["weave", str(ball), "--faces", "given", "--scale", "0.3", "--no-relax", "--json"]
+    assert main.main([*command, "-o", str(tmp_path / "woven")]) == 0
+    result = json.loads(capfd.readouterr().out)
+    assert (result["faces"], result["repairs"]["remeshed_from"]) == (512, 0)
+
+
 @pytest.mark.parametrize("scale", ["0.7", "1"])
 def test_strips_that_would_not_go_together_are_cut_as_designed(
     tmp_path, capfd: pytest.CaptureFixture[str], scale: str
