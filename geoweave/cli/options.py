@@ -41,10 +41,6 @@ class FacesOrGiven(click.ParamType[Any]):
 
     name = "faces"
 
-    def get_metavar(self, param: click.Parameter, *_: Any) -> str:
-        """How the help shows the value."""
-        return "given|N"
-
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Return the number or the word."""
         if isinstance(value, str) and value.strip().lower() == "given":
@@ -55,6 +51,7 @@ class FacesOrGiven(click.ParamType[Any]):
 own_faces_option = click.option(
     "--faces",
     type=FacesOrGiven(),
+    metavar="given|N",
     help="Remesh to about this many triangles, or weave on those that are given. By default weave finds a "
     "mesh by itself: even, and fine enough for the ribbons.",
 )

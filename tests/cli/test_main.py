@@ -514,7 +514,7 @@ def test_help_and_version(run):
     status, out, err = run("--version")
     assert (status, err) == (0, "")
     assert out == f"geoweave {package_version()}\n"
-    for arguments in (["--help"], ["-h"], ["info", "--help"], ["field", "-h"]):
+    for arguments in (["--help"], ["-h"], *([name, "--help"] for name in main.COMMANDS)):
         status, out, err = run(*arguments)
         assert (status, err) == (0, "")
         assert out.startswith("Usage: geoweave")
