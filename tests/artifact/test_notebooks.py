@@ -2,6 +2,7 @@
 
 import ast
 import base64
+import importlib
 import re
 import tomllib
 from pathlib import Path
@@ -75,10 +76,14 @@ def missing(sources: list[str]) -> list[str]:
             # only names of modules are looked up: what a value has is seen when the notebook runs
             if not isinstance(value, ModuleType):
                 break
-            if not hasattr(value, part):
-                found.append(name)
-                break
-            value = getattr(value, part)
+            try:
+                value = getattr(value, part)
+            except AttributeError:  # a module that nothing has imported so far
+                try:
+                    value = importlib.import_module(f"{value.__name__}.{part}")
+                except ModuleNotFoundError:
+                    found.append(name)
+                    break
     return sorted(found)
 
 
