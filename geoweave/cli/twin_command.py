@@ -23,7 +23,7 @@ DOUBTS = 5
 def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
     """Put a pattern.json together in simulation, and say whether the woven object comes back.
 
-    Exits with 1 if the strips close into another surface than the design's.
+    Exits with 1 if the strips close into another surface than the design's, or into another shape.
     """
     from geoweave.pipeline import twin_file
 
@@ -34,7 +34,7 @@ def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
     else:
         print_table(str(made.path), _rows(made))
         click.echo(sentence(made))
-    if not made.closes_as_designed:
+    if made.reasons:
         raise click.exceptions.Exit(1)
 
 

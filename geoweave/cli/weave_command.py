@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from functools import wraps
 from typing import TYPE_CHECKING, Any
@@ -112,10 +113,15 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
     "-o", "output", metavar="DIR", required=True, help="Folder for the results; made if it is not there."
 )
 @weave_options
+@click.option("--strict", is_flag=True, help="Exit with status 1 if the verdict is not to cut the strips.")
 @as_json
-def weave(source: MeshSource, output: str, request: WeaveRequest, as_json: bool) -> None:
-    """Design a weave: ribbons along geodesics, their crossings, over and under."""
-    from geoweave.pipeline import weave_file
+def weave(source: MeshSource, output: str, request: WeaveRequest, strict: bool, as_json: bool) -> None:
+    """Design a weave: ribbons along geodesics, their crossings, over and under.
+
+    With a format of strips the last line is the verdict on them: "make it", "make it, but" why it is hard, or
+    "do not cut this".
+    """
+    from geoweave.pipeline import DO_NOT, weave_file
 
     with status() as say:
         made = weave_file(source, output, request, callback=say)
@@ -123,6 +129,11 @@ def weave(source: MeshSource, output: str, request: WeaveRequest, as_json: bool)
         print_json(made.document())
     else:
         print_table(source.name, _rows(made))
+        if made.verdict is not None:
+            click.echo(made.verdict.sentence)
+    if strict and made.verdict is not None and made.verdict.word == DO_NOT:
+        sys.stdout.flush()
+        raise click.exceptions.Exit(1)
 
 
 def _rows(made: WovenFiles) -> list[tuple[str, str]]:
@@ -215,15 +226,13 @@ def _alternation(turns: dict[str, Any]) -> str:
     return f"{said} (not proven to be out of reach: the effort was used up)"
 
 
-HOLDS = 0.05
-"""A weave that rests nearer to its surface than this share of the bounding diagonal holds its shape."""
-
-
 def _rest(relax: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:
-    """Whether the weave will hold its shape, and where it departs most."""
+    """Whether the whole weave, free ends included, holds its shape; and where a crossing departs most."""
     if relax is None:
         return []
-    worst, far = relax["worst"], relax["hausdorff_held"]
+    from geoweave.pipeline import HOLDS
+
+    worst, far = relax["worst"], relax["hausdorff"]
     verdict = "it holds its shape" if far < HOLDS else "it departs from its shape"
     if not relax["converged"]:
         verdict = f"not at rest ({relax['ending']})"

@@ -1,10 +1,5 @@
 from .batch import sweep as sweep
-from .design import (
-    WeaveRequest as WeaveRequest,
-    WovenFiles as WovenFiles,
-    formats_of as formats_of,
-    weave_file as weave_file,
-)
+from .design import WovenFiles as WovenFiles, weave_file as weave_file
 from .field_arrays import (
     FieldOfFile as FieldOfFile,
     field_file as field_file,
@@ -12,8 +7,10 @@ from .field_arrays import (
 )
 from .pattern_twin import TwinOfFile as TwinOfFile, twin_file as twin_file
 from .relaxed_file import RestOfFile as RestOfFile, relax_file as relax_file
+from .request import WeaveRequest as WeaveRequest, formats_of as formats_of
 from .source import MeshSource as MeshSource, Say as Say, prepared_surface as prepared_surface
 from .sweep_table import TABLES as TABLES, Row as Row
+from .verdict import DO_NOT as DO_NOT, HOLDS as HOLDS, Verdict as Verdict
 from .weave_folder import (
     DESIGN as DESIGN,
     check_formats as check_formats,

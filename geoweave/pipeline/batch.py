@@ -25,7 +25,8 @@ from typing import Any
 from geoweave.checkout import PACKAGE, package_version
 from geoweave.errors import GeoweaveError
 from geoweave.files import OutputError, check_writable, sha256_of, text_job, written_together
-from geoweave.pipeline.design import WeaveRequest, weave_file
+from geoweave.pipeline.design import weave_file
+from geoweave.pipeline.request import WeaveRequest
 from geoweave.pipeline.source import MeshSource, names_a_data_set
 from geoweave.pipeline.sweep_table import TABLES, Row, table_texts
 from geoweave.pipeline.weave_folder import listed_files, write_texts

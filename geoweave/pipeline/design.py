@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import os
-from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geoweave.errors import FieldError
 from geoweave.files import checked_folder, printable
+from geoweave.pipeline.attempt import attempted, with_remedy
+from geoweave.pipeline.request import WeaveRequest, formats_of
 from geoweave.pipeline.source import (
     MeshSource,
     Say,
@@ -20,97 +20,18 @@ from geoweave.pipeline.source import (
     source_of,
     timed,
 )
-from geoweave.pipeline.strips import CutStrips, strips_of
-from geoweave.pipeline.weave_folder import check_formats, write_weave
+from geoweave.pipeline.strips import CutStrips
+from geoweave.pipeline.verdict import DO_NOT, Verdict
+from geoweave.pipeline.weave_folder import write_weave
 
 if TYPE_CHECKING:
     from geoweave.fabrication import Pattern
     from geoweave.files import Job
     from geoweave.meshing import Prepared
-    from geoweave.rods import Relaxed, Step
+    from geoweave.rods import Relaxed
     from geoweave.weave import Inspection, Weave
 
-__all__ = ["WeaveRequest", "WovenFiles", "formats_of", "weave_file"]
-
-
-BOUNDS = {"symmetry": 24, "ribbons": 100_000, "scale": 1e4, "size": 1e6, "width": 1e6, "thickness": 1e6}
-"""The largest numbers that can be asked for: far beyond what is woven, and short of what ends in overflow."""
-
-
-@dataclass(frozen=True)
-class WeaveRequest:
-    """What a weave is to be like, and which files are to be written of it.
-
-    Raises
-    ------
-    FieldError
-        If ``ribbons`` and ``scale`` are both given, or a number is not positive or out of reach.
-
-    Examples
-    --------
-    >>> gw.WeaveRequest(ribbons=40, size=300.0).symmetry
-    6
-    >>> gw.WeaveRequest(ribbons=40, scale=2.0)
-    Traceback (most recent call last):
-    geoweave.errors.FieldError: ribbons and scale exclude each other; give one of them
-    """
-
-    symmetry: int = 6
-    """Vectors of the RoSy per face: 6 gives a triaxial weave."""
-    ribbons: int | None = None
-    """How many ribbons; the nearest number that a search meets."""
-    scale: float | None = None
-    """Factor on the number of level sets, in place of ``ribbons``; 1 if neither is given."""
-    size: float | None = None
-    """Longest side of the bounding box in mm; None keeps the unit of the mesh."""
-    width: float | None = None
-    """Width of a ribbon, in mm with a size, else in the unit of the mesh."""
-    thickness: float | None = None
-    """Thickness of a ribbon, in the same unit; a twentieth of the width if not given."""
-    formats: tuple[str, ...] | None = None
-    """What to write. None: json; with a size also the guide, if the weave allows one."""
-    relax: bool = True
-    """Whether the weave is relaxed to the shape that it takes (Appendix E)."""
-
-    def __post_init__(self) -> None:
-        """Refuse what contradicts itself."""
-        if self.ribbons is not None and self.scale is not None:
-            raise FieldError("ribbons and scale exclude each other; give one of them")
-        for name, most in BOUNDS.items():
-            value = getattr(self, name)
-            if value is None:
-                continue
-            if not (math.isfinite(value) and value > 0):
-                raise FieldError(f"{name} is {value}; give a positive number")
-            if value > most:
-                raise FieldError(f"{name} is {value:g}; give at most {most:g}")
-        if self.width is not None and self.thickness is not None and self.thickness > self.width:
-            raise FieldError(
-                f"a ribbon {self.width:g} wide cannot be {self.thickness:g} thick; make it thinner than wide"
-            )
-        if self.size is not None:
-            self.check_widths(self.size)
-
-    def check_widths(self, longest: float) -> None:
-        """Refuse ribbons that are wider or thicker than the object is long.
-
-        Parameters
-        ----------
-        longest : longest side of its bounding box, in the unit of the width
-        """
-        for name in ("width", "thickness"):
-            value = getattr(self, name)
-            if value is not None and value >= longest:
-                raise FieldError(
-                    f"the {name} of a ribbon is {value:g}, and the object {longest:g} long; give less"
-                )
-
-    @property
-    def formats_wanted(self) -> tuple[str, ...]:
-        """Names of the formats to be written, also where none were asked for."""
-        if self.formats is not None:
-            return self.formats
-        return ("json",) if self.size is None else ("json", "guide")
+__all__ = ["WovenFiles", "weave_file"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +50,8 @@ class WovenFiles:
     """The weave at rest; None if it was not relaxed."""
     cut: CutStrips | None
     """The strips that are cut, and what is measured on them; None without a format of a pattern."""
+    verdict: Verdict | None
+    """Whether to cut the strips; None without strips."""
     files: dict[str, Path]
     """Path of each file by its name."""
     left_out: dict[str, str]
@@ -175,6 +98,7 @@ class WovenFiles:
             "strips_of": self.strips_of,
             "slipped": self.slipped,
             "strips": None if self.cut is None else self.cut.document(),
+            "verdict": None if self.verdict is None else self.verdict.document(),
             "violations": len(self.inspection.violations),
             "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
             "repairs": self.prepared.report.as_dict(),
@@ -182,35 +106,6 @@ class WovenFiles:
             "files": [str(path) for path in self.files.values()],
             "left_out": self.left_out,
         }
-
-
-def formats_of(names: Iterable[str], size: float | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Part names of formats into those of a pattern and those of a weave.
-
-    Parameters
-    ----------
-    names : such as "json", "rod", "svg"
-    size : of the object in mm, which a pattern needs
-
-    Returns
-    -------
-    The formats of the pattern (`geoweave.fabrication.FORMATS`), and those of the weave (``json``, ``rod``).
-
-    Raises
-    ------
-    OutputError
-        If there is no such format.
-    FieldError
-        If one of a pattern is asked for without a size.
-    """
-    from geoweave.fabrication import FORMATS, check_formats as check_pattern_formats
-
-    asked = tuple(names)
-    cut = check_pattern_formats(name for name in asked if name in FORMATS)
-    rest = check_formats((name for name in asked if name not in cut), FORMATS)
-    if cut and size is None:
-        raise FieldError(f"a pattern ({', '.join(cut)}) is in mm; give the object a size")
-    return cut, rest
 
 
 def weave_file(
@@ -265,23 +160,26 @@ def weave_file(
     seconds: dict[str, float] = {}
     with about(source.name):
         prepared = _even_surface(source, request, seconds, say)
-        weave, inspection = _designed(prepared, source.seed, request, seconds, say)
-        relaxed = _relaxed(weave, seconds, say) if request.relax else None
+        made = attempted(prepared, source.seed, request, bool(cut), seconds, say)
+        verdict = made.verdict
+        if verdict is not None and verdict.word == DO_NOT:
+            with timed(seconds, "remedies"):
+                verdict = with_remedy(verdict, made, prepared, source, request, say)
         with timed(seconds, "write"):
-            # Strips are laid out before anything is written.
-            strips = strips_of(weave, relaxed) if cut else None
-            jobs, left_out = _pattern_jobs(source, request, weave, strips, cut)
-            said = {} if strips is None else {"strips": strips.document()}
-            files = write_weave(weave, target, wanted, inspection, relaxed, jobs, said)
+            jobs, left_out = _pattern_jobs(source, request, made.weave, made.cut, cut)
+            said = {} if made.cut is None else {"strips": made.cut.document()}
+            said |= {} if verdict is None else {"verdict": verdict.document()}
+            files = write_weave(made.weave, target, wanted, made.inspection, made.relaxed, jobs, said)
     seconds["total"] = sum(seconds.values())
     return WovenFiles(
         source=source,
         request=request,
         prepared=prepared,
-        weave=weave,
-        inspection=inspection,
-        relaxed=relaxed,
-        cut=strips,
+        weave=made.weave,
+        inspection=made.inspection,
+        relaxed=made.relaxed,
+        cut=made.cut,
+        verdict=verdict,
         files=files,
         left_out=left_out,
         seconds=seconds,
@@ -300,42 +198,6 @@ def _even_surface(source: MeshSource, request: WeaveRequest, seconds: dict[str, 
         with timed(seconds, "remesh"):
             prepared = evened(prepared, ribbons=request.ribbons, name=source.name)
     return prepared
-
-
-def _designed(
-    prepared: Prepared, seed: int, request: WeaveRequest, seconds: dict[str, float], say: Say
-) -> tuple[Weave, Inspection]:
-    """Design a weave on a surface, give it its size, and look for what is hard to make."""
-    from geoweave.weave import inspected, weave_pattern
-
-    weave = weave_pattern(
-        prepared.mesh,
-        symmetry=request.symmetry,
-        scale=request.scale,
-        ribbons=request.ribbons,
-        seed=seed,
-        callback=lambda stage: say(f"weaving: {stage}"),
-    )
-    seconds |= weave.design.seconds
-    weave = weave.sized(request.size, request.width, request.thickness)
-    with timed(seconds, "inspection"):
-        return weave, inspected(weave)
-
-
-def _relaxed(weave: Weave, seconds: dict[str, float], say: Say) -> Relaxed:
-    from geoweave.rods import relaxed_weave
-
-    rest = relaxed_weave(weave, callback=_telling(say))
-    seconds |= rest.seconds
-    return rest
-
-
-def _telling(say: Say) -> Callable[[str, Step], None]:
-    """What tells the progress of sliding and relaxing."""
-    doing = {"slide": "sliding", "relax": "relaxing"}
-    return lambda stage, step: say(
-        f"{doing[stage]}: step {step.number}, forces balance to {step.gradient:.1g}"
-    )
 
 
 def _pattern_jobs(

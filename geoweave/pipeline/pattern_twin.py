@@ -13,6 +13,7 @@ from geoweave.documents import read_json
 from geoweave.errors import FieldError
 from geoweave.files import checked_folder
 from geoweave.pipeline.source import Say, about, silent, timed
+from geoweave.pipeline.verdict import rebuilt_reasons
 from geoweave.pipeline.weave_folder import (
     earlier_report,
     listed_files,
@@ -55,6 +56,11 @@ class TwinOfFile:
         return self.genus_designed in (None, net.genus) and self.openings_designed in (None, net.openings)
 
     @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the object does not come back from its strips; nothing if it does."""
+        return rebuilt_reasons(self.twin, self.target, self.genus_designed, self.openings_designed)
+
+    @property
     def target(self) -> Likeness | None:
         """The comparison that decides: with the weave that the strips are of.
 
@@ -77,6 +83,7 @@ class TwinOfFile:
             "genus_designed": self.genus_designed,
             "openings_designed": self.openings_designed,
             "closes_as_designed": self.closes_as_designed,
+            "reasons": list(self.reasons),
             "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
             "files": [str(path) for path in self.files.values()],
         }
@@ -121,7 +128,7 @@ def twin_file(
             if path.with_name(BESIDE[what]).is_file()
         }
     with about(str(path)):
-        twin, likeness = _assembled(pattern, beside, anyway, seconds, say)
+        twin, likeness = put_together(pattern, beside, seconds, say, anyway=anyway)
     with timed(seconds, "write"):
         files = _write(path, target, twin, likeness)
     seconds["total"] = sum(seconds.values())
@@ -156,10 +163,24 @@ def twin_numbers(twin: Twin, likeness: Mapping[str, Likeness]) -> dict[str, Any]
     }
 
 
-def _assembled(
-    pattern: Pattern, beside: Mapping[str, Any], anyway: bool, seconds: dict[str, float], say: Say
+def put_together(
+    pattern: Pattern,
+    beside: Mapping[str, Any],
+    seconds: dict[str, float],
+    say: Say,
+    *,
+    anyway: bool = False,
 ) -> tuple[Twin, dict[str, Likeness]]:
-    """Put a pattern together, and its mirror image too where the strips do not tell them apart."""
+    """Put a pattern together, and its mirror image too where the strips do not tell them apart.
+
+    Parameters
+    ----------
+    pattern : the strips
+    beside : weaves to compare with, by "woven" (at rest) or "designed"
+    seconds : the time of each stage is entered here
+    say : called with one line of progress at a time
+    anyway : put together also a pattern that contradicts itself
+    """
     say("putting the strips together")
     twin = _twin(pattern, anyway, say)
     seconds |= twin.seconds

@@ -289,9 +289,9 @@ def test_weave_of_a_size_with_rods_for_a_number_of_ribbons(run, ball, tmp_path):
     assert (tmp_path / "again" / "weave.json").read_bytes() == (folder / "weave.json").read_bytes()
     first, second = (json.loads((tmp_path / name / "report.json").read_text()) for name in ("woven", "again"))
     assert first.pop("files").keys() - second.pop("files").keys() == {"weave.rod"}
-    assert (
-        second.pop("strips")["ribbons"] == result["ribbons"]
-    )  # the guide, which has strips, came with the size
+    # the guide comes with the size, and it has strips and a verdict on them
+    assert second.pop("verdict")["word"]
+    assert second.pop("strips")["ribbons"] == result["ribbons"]
     assert first == second
 
 

@@ -108,3 +108,15 @@ def test_what_is_no_pattern(text: str, words: str, tmp_path: Path, capfd: pytest
     (tmp_path / "pattern.json").unlink()
     assert main.main(["twin", str(tmp_path)]) == 2
     assert "--formats pattern" in capfd.readouterr().err
+
+
+def test_an_object_of_another_shape_is_status_1(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    other = json.loads((folder / "relaxed.json").read_text())
+    for each in [*other["ribbons"], *other["crossings"]]:  # as if the object were four times as high
+        for point in each["points"] if "points" in each else [each["point"]]:
+            point[2] *= 4.0
+    (folder / "relaxed.json").write_text(json.dumps(other))
+    assert main.main(["twin", str(folder), "--json"]) == 1
+    result = json.loads(capfd.readouterr().out)
+    assert (result["closes_as_designed"], result["comes_back"]) == (True, False)
+    assert "the object has another shape" in result["reasons"][0]

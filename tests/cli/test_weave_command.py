@@ -11,6 +11,7 @@ from meshfiles import sphere, write
 from geoweave.cli import main, weave_command
 from geoweave.fabrication.pattern import Pattern
 from geoweave.models import shapes
+from geoweave.pipeline.verdict import DO_NOT, MAKE, Verdict
 from geoweave.twin.contradictions import contradictions_of
 from geoweave.twin.pattern_surface import surface_of
 from geoweave.weave.design import weave_pattern
@@ -85,3 +86,29 @@ def test_strips_that_would_not_go_together_are_cut_as_designed(
     lengths = [each["length"] for each in json.loads((tmp_path / result["strips_of"]).read_text())["ribbons"]]
     assert [strip.length for strip in pattern.strips] == pytest.approx(lengths, abs=1e-3)
     assert main.main(["twin", str(tmp_path), "--json"]) == 0
+
+
+@pytest.mark.parametrize("word", ["make it", "make it, but", "do not cut this"])
+def test_the_verdict_comes_last_and_decides_the_status_if_strict(
+    tmp_path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, word: str
+) -> None:
+    from geoweave.pipeline import attempt, design
+
+    found = Verdict(word, () if word == MAKE else ("of this",), "")
+    monkeypatch.setattr(attempt, "_judged", lambda *_: found)
+    monkeypatch.setattr(
+        design, "with_remedy", lambda verdict, *_: dataclasses.replace(verdict, remedy="Try that")
+    )
+    ball = write(tmp_path, "ball", "off", *sphere(3))
+    command = ["weave", str(ball), "--faces", "500", "--scale", "0.3", "--size", "200", "--no-relax"]
+    command += ["--formats", "pattern", "-o", str(tmp_path / "woven")]
+    assert main.main(command) == 0
+    said = found.sentence + (". Try that" if word == DO_NOT else "")
+    assert capfd.readouterr().out.splitlines()[-1] == said
+    assert main.main([*command, "--strict", "--json"]) == (1 if word == DO_NOT else 0)
+    result = json.loads(capfd.readouterr().out)
+    assert result["verdict"]["word"] == word
+    assert json.loads((tmp_path / "woven" / "report.json").read_text())["verdict"] == result["verdict"]
+    assert main.main(["weave", str(ball), "--faces", "500", "--scale", "0.3", "--no-relax", "--json",
+                      "-o", str(tmp_path / "plain")]) == 0  # fmt: skip
+    assert json.loads(capfd.readouterr().out)["verdict"] is None

@@ -15,7 +15,7 @@ from geoweave.meshing.write import write_mesh
 from geoweave.models import shapes
 from geoweave.pipeline import batch as engine
 from geoweave.pipeline.batch import folder_names, sweep
-from geoweave.pipeline.design import WeaveRequest
+from geoweave.pipeline.request import WeaveRequest
 from geoweave.pipeline.source import MeshSource
 from geoweave.pipeline.sweep_table import Row
 

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from geoweave.cli import main
-from geoweave.errors import FieldError
 from geoweave.files import OutputError
 from geoweave.meshing.write import write_mesh
 from geoweave.models import shapes
-from geoweave.pipeline.design import WeaveRequest, formats_of, weave_file
+from geoweave.pipeline.design import weave_file
+from geoweave.pipeline.request import WeaveRequest
 from geoweave.pipeline.source import MeshSource
 
 REQUEST = WeaveRequest(scale=0.5, relax=False)
@@ -57,20 +57,6 @@ def test_values_are_those_of_the_files(cone: MeshSource, tmp_path: Path) -> None
     assert made.seconds["total"] == pytest.approx(
         sum(value for key, value in made.seconds.items() if key != "total")
     )
-
-
-def test_a_request_that_contradicts_itself_is_refused() -> None:
-    with pytest.raises(FieldError, match="exclude each other"):
-        WeaveRequest(ribbons=9, scale=2.0)
-    for name in ("scale", "size", "width", "thickness"):
-        for bad in (0.0, -1.0, float("nan"), float("inf")):
-            with pytest.raises(FieldError, match=f"{name} is {bad}; give a positive number"):
-                WeaveRequest(**{name: bad})
-    with pytest.raises(FieldError, match=r"a pattern .svg. is in mm"):
-        formats_of(["svg"], None)
-    with pytest.raises(OutputError, match="no format 'dwg'"):
-        formats_of(["dwg"], 100.0)
-    assert formats_of(["svg", "json", "rod", "csv"], 100.0) == (("csv", "svg"), ("json", "rod"))
 
 
 def test_a_folder_that_cannot_be_used_is_refused_before_the_work(cone: MeshSource, tmp_path: Path) -> None:

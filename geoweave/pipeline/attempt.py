@@ -1,0 +1,189 @@
+"""One attempt at a weave, from a surface to strips and the verdict on them; and what helps where it fails."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from geoweave.errors import GeoweaveError
+from geoweave.pipeline.pattern_twin import put_together
+from geoweave.pipeline.request import WeaveRequest
+from geoweave.pipeline.source import MeshSource, Say, silent, timed
+from geoweave.pipeline.strips import CutStrips, strips_of
+from geoweave.pipeline.verdict import BUT, DO_NOT, Verdict, rebuilt_reasons, verdict_of
+
+if TYPE_CHECKING:
+    from geoweave.meshing import Prepared
+    from geoweave.rods import Relaxed, Step
+    from geoweave.weave import Inspection, Weave
+
+__all__ = ["Attempt", "attempted", "with_remedy"]
+
+FEWER = 0.7
+"""The share of the ribbons that is tried where a weave fails."""
+
+FINER = 2
+"""So many times the triangles are tried where a weave fails."""
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A weave that was designed and relaxed, its strips, and the verdict on them."""
+
+    weave: Weave
+    inspection: Inspection
+    relaxed: Relaxed | None
+    cut: CutStrips | None
+    """The strips that are cut, if any are."""
+    verdict: Verdict | None
+    """None without strips."""
+
+
+def attempted(
+    prepared: Prepared,
+    seed: int,
+    request: WeaveRequest,
+    cut: bool,
+    seconds: dict[str, float],
+    say: Say,
+    design: Weave | None = None,
+) -> Attempt:
+    """Design a weave on a surface, relax it, and judge its strips.
+
+    Parameters
+    ----------
+    prepared : the surface
+    seed : of the random numbers
+    request : what the weave is to be like
+    cut : whether strips are to be cut
+    seconds : the time of each stage is entered here
+    say : called with one line of progress at a time
+    design : the weave before it has its size, if there is one; else it is designed
+    """
+    from geoweave.weave import inspected
+
+    if design is None:
+        design = _designed(prepared, seed, request, seconds, say)
+    weave = design.sized(request.size, request.width, request.thickness)
+    with timed(seconds, "inspection"):
+        inspection = inspected(weave)
+    relaxed = _relaxed(weave, seconds, say) if request.relax else None
+    if not cut:
+        return Attempt(weave, inspection, relaxed, None, None)
+    with timed(seconds, "strips"):
+        strips = strips_of(weave, relaxed)
+    with timed(seconds, "twin"):
+        verdict = _judged(weave, inspection, relaxed, strips, say)
+    return Attempt(weave, inspection, relaxed, strips, verdict)
+
+
+def _judged(
+    weave: Weave,
+    inspection: Inspection,
+    relaxed: Relaxed | None,
+    strips: CutStrips,
+    say: Say,
+) -> Verdict:
+    """Put the strips together in simulation, exactly as they are written, and judge what comes of them."""
+    from geoweave.fabrication import Pattern
+    from geoweave.twin import surface_of
+
+    written = Pattern.from_document(json.loads(json.dumps(strips.pattern.document())))
+    parts = weave.mesh.n_components
+    if parts > 1 and len(surface_of(written).pieces) == parts:
+        found = verdict_of(inspection, strips, relaxed, ())
+        why = f"the object is in {parts} parts, which were not put together in simulation"
+        return found if found.word == DO_NOT else Verdict(BUT, (why, *found.reasons), found.remedy)
+    space = strips.space
+    beside = {"designed": weave.document()} if space is None else {"woven": space}
+    try:
+        twin, likeness = put_together(written, beside, {}, say)
+    except GeoweaveError as error:
+        return verdict_of(inspection, strips, relaxed, (str(error),))
+    target = next(iter(likeness.values()))
+    openings = surface_of(strips.designed).openings
+    broken = rebuilt_reasons(twin, target, weave.mesh.genus, openings)
+    return verdict_of(inspection, strips, relaxed, broken)
+
+
+def with_remedy(
+    verdict: Verdict,
+    first: Attempt,
+    prepared: Prepared,
+    source: MeshSource,
+    request: WeaveRequest,
+    say: Say,
+) -> Verdict:
+    """Try what may help where strips are not to be cut, the nearest first, and say what did."""
+    tried = []
+    for option, what, other, design, surface in _remedies(first, prepared, request, source.name):
+        say(f"trying {what}")
+        tried.append(what)
+        try:
+            found = attempted(surface(), source.seed, other, True, {}, silent, design).verdict
+        except GeoweaveError:
+            continue
+        if found is not None and found.word != DO_NOT:
+            return replace(verdict, remedy=f"{option} helps ({what}): then the verdict is '{found.word}'")
+    return replace(verdict, remedy=f"Tried in vain: {', '.join(tried)}; try another --size, --scale or mesh")
+
+
+def _remedies(
+    first: Attempt, prepared: Prepared, request: WeaveRequest, name: str
+) -> Iterator[tuple[str, str, WeaveRequest, Weave | None, Callable[[], Prepared]]]:
+    """Options that may help, in words, as requests; the design where it is the same one, and the surface."""
+    from geoweave.meshing import remeshed
+
+    weave, narrow = first.weave, first.inspection.suggested_width
+    if first.cut is not None and first.cut.space is not None:
+        other = replace(request, relax=False)
+        yield "--no-relax", "strips of the design, not as at rest", other, weave, lambda: prepared
+    if narrow is not None and narrow < weave.width * weave.placement.scale:
+        thin = None if request.thickness is None else min(request.thickness, narrow)
+        other = replace(request, width=narrow, thickness=thin)
+        yield f"--width {narrow:.3g}", "narrower strips", other, weave, lambda: prepared
+    ribbons = len(weave.ribbons)
+    fewer = round(FEWER * ribbons)
+    if 0 < fewer < ribbons:
+        other = replace(request, ribbons=fewer, scale=None)
+        yield f"--ribbons {fewer}", "fewer ribbons", other, None, lambda: prepared
+    faces = FINER * prepared.mesh.n_faces
+    other = replace(request, ribbons=ribbons, scale=None)
+    finer = f"--faces {faces} --ribbons {ribbons}"
+    yield finer, "a finer mesh", other, None, lambda: remeshed(prepared, faces, name=name)
+
+
+def _designed(
+    prepared: Prepared, seed: int, request: WeaveRequest, seconds: dict[str, float], say: Say
+) -> Weave:
+    """Design a weave on a surface."""
+    from geoweave.weave import weave_pattern
+
+    weave = weave_pattern(
+        prepared.mesh,
+        symmetry=request.symmetry,
+        scale=request.scale,
+        ribbons=request.ribbons,
+        seed=seed,
+        callback=lambda stage: say(f"weaving: {stage}"),
+    )
+    seconds |= weave.design.seconds
+    return weave
+
+
+def _relaxed(weave: Weave, seconds: dict[str, float], say: Say) -> Relaxed:
+    from geoweave.rods import relaxed_weave
+
+    rest = relaxed_weave(weave, callback=_telling(say))
+    seconds |= rest.seconds
+    return rest
+
+
+def _telling(say: Say) -> Callable[[str, Step], None]:
+    """What tells the progress of sliding and relaxing."""
+    doing = {"slide": "sliding", "relax": "relaxing"}
+    return lambda stage, step: say(
+        f"{doing[stage]}: step {step.number}, forces balance to {step.gradient:.1g}"
+    )

@@ -1,0 +1,120 @@
+"""What a weave is to be like, and which files are to be written of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from geoweave.errors import FieldError
+from geoweave.pipeline.weave_folder import check_formats
+
+__all__ = ["BOUNDS", "WeaveRequest", "formats_of"]
+
+BOUNDS = {"symmetry": 24, "ribbons": 100_000, "scale": 1e4, "size": 1e6, "width": 1e6, "thickness": 1e6}
+"""The largest numbers that can be asked for: far beyond what is woven, and short of what ends in overflow."""
+
+
+@dataclass(frozen=True)
+class WeaveRequest:
+    """What a weave is to be like, and which files are to be written of it.
+
+    Raises
+    ------
+    FieldError
+        If ``ribbons`` and ``scale`` are both given, or a number is not positive or out of reach.
+
+    Examples
+    --------
+    >>> gw.WeaveRequest(ribbons=40, size=300.0).symmetry
+    6
+    >>> gw.WeaveRequest(ribbons=40, scale=2.0)
+    Traceback (most recent call last):
+    geoweave.errors.FieldError: ribbons and scale exclude each other; give one of them
+    """
+
+    symmetry: int = 6
+    """Vectors of the RoSy per face: 6 gives a triaxial weave."""
+    ribbons: int | None = None
+    """How many ribbons; the nearest number that a search meets."""
+    scale: float | None = None
+    """Factor on the number of level sets, in place of ``ribbons``; 1 if neither is given."""
+    size: float | None = None
+    """Longest side of the bounding box in mm; None keeps the unit of the mesh."""
+    width: float | None = None
+    """Width of a ribbon, in mm with a size, else in the unit of the mesh."""
+    thickness: float | None = None
+    """Thickness of a ribbon, in the same unit; a twentieth of the width if not given."""
+    formats: tuple[str, ...] | None = None
+    """What to write. None: json; with a size also the guide, if the weave allows one."""
+    relax: bool = True
+    """Whether the weave is relaxed to the shape that it takes (Appendix E)."""
+
+    def __post_init__(self) -> None:
+        """Refuse what contradicts itself."""
+        if self.ribbons is not None and self.scale is not None:
+            raise FieldError("ribbons and scale exclude each other; give one of them")
+        for name, most in BOUNDS.items():
+            value = getattr(self, name)
+            if value is None:
+                continue
+            if not (math.isfinite(value) and value > 0):
+                raise FieldError(f"{name} is {value}; give a positive number")
+            if value > most:
+                raise FieldError(f"{name} is {value:g}; give at most {most:g}")
+        if self.width is not None and self.thickness is not None and self.thickness > self.width:
+            raise FieldError(
+                f"a ribbon {self.width:g} wide cannot be {self.thickness:g} thick; make it thinner than wide"
+            )
+        if self.size is not None:
+            self.check_widths(self.size)
+
+    def check_widths(self, longest: float) -> None:
+        """Refuse ribbons that are wider or thicker than the object is long.
+
+        Parameters
+        ----------
+        longest : longest side of its bounding box, in the unit of the width
+        """
+        for name in ("width", "thickness"):
+            value = getattr(self, name)
+            if value is not None and value >= longest:
+                raise FieldError(
+                    f"the {name} of a ribbon is {value:g}, and the object {longest:g} long; give less"
+                )
+
+    @property
+    def formats_wanted(self) -> tuple[str, ...]:
+        """Names of the formats to be written, also where none were asked for."""
+        if self.formats is not None:
+            return self.formats
+        return ("json",) if self.size is None else ("json", "guide")
+
+
+def formats_of(names: Iterable[str], size: float | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Part names of formats into those of a pattern and those of a weave.
+
+    Parameters
+    ----------
+    names : such as "json", "rod", "svg"
+    size : of the object in mm, which a pattern needs
+
+    Returns
+    -------
+    The formats of the pattern (`geoweave.fabrication.FORMATS`), and those of the weave (``json``, ``rod``).
+
+    Raises
+    ------
+    OutputError
+        If there is no such format.
+    FieldError
+        If one of a pattern is asked for without a size.
+    """
+    from geoweave.fabrication import FORMATS, check_formats as check_pattern_formats
+
+    asked = tuple(names)
+    cut = check_pattern_formats(name for name in asked if name in FORMATS)
+    rest = check_formats((name for name in asked if name not in cut), FORMATS)
+    if cut and size is None:
+        raise FieldError(f"a pattern ({', '.join(cut)}) is in mm; give the object a size")
+    return cut, rest
