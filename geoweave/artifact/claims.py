@@ -12,8 +12,8 @@
     where = { method = "ours" }            # the rows that count, all if left out
     ours = "{angle:.1f}° off"              # filled from each of those rows
 
-Numbers of ours are never written down here: they are read from the tables that the notebooks publish, so the
-README cannot keep an old one.
+Our numbers are never written in this file. They are read from the tables that the notebooks publish, so the
+README cannot keep an old number.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ PLACE = re.compile(r"\{([^{}:]+)(?::([^{}]*))?\}")
 
 
 class ClaimError(GeoweaveError):
-    """An entry of the list of claims that cannot be read, or that names what is not there."""
+    """An entry of the list of claims cannot be read, or names something that does not exist."""
 
 
 @dataclass(frozen=True)
@@ -48,13 +48,13 @@ class Claim:
     Attributes
     ----------
     id : a short name
-    section : of the paper, with the figure or equation if it stands there
+    section : section of the paper, with the figure or equation if the claim is made there
     says : the claim, in our words
-    tests : what checks it, ``file::function`` or the path of a notebook, from the root of the checkout
+    tests : what checks the claim, ``file::function`` or the path of a notebook, from the root of the checkout
     paper : the paper's number or wording, "" if there is none to compare
-    ours : words for our numbers, with places such as ``{angle:.1f}``, "" if there are none
-    figure : the table under ``figures/`` that fills the places, without ending
-    where : column and value that choose rows of it
+    ours : words for our numbers, with fields such as ``{angle:.1f}``, "" if there are none
+    figure : the table under ``figures/`` that fills the fields, without file extension
+    where : columns and values that choose rows of the table
     """
 
     id: str
@@ -73,7 +73,7 @@ def read(root: Path) -> tuple[Claim, ...]:
     Raises
     ------
     ClaimError
-        If the list cannot be read, an entry lacks a key, has one that means nothing, or repeats an id.
+        If the list cannot be read, or an entry lacks a key, has an unknown key or repeats an id.
     """
     path = root / LIST
     try:
@@ -112,12 +112,12 @@ def _claim(entry: Mapping[str, Any], number: int) -> Claim:
 
 
 def ours(root: Path, claim: Claim) -> str:
-    """Fill in our numbers from the figure's table; several rows are joined by commas.
+    """Fill in our numbers from the figure's table. Several rows are joined by commas.
 
     Raises
     ------
     ClaimError
-        If there is no such table, no such column or no such row, or a value is no number where one is asked.
+        If the table, a column or a row does not exist, or a value is not a number where one is needed.
     """
     if not claim.figure:
         return ""
@@ -151,7 +151,7 @@ def _value(claim: Claim, row: Mapping[str, str], place: re.Match[str]) -> str:
 
 
 def table(root: Path) -> list[str]:
-    """Lines of Markdown: the claims with a number or wording to compare, paper beside ours.
+    """Lines of Markdown: the claims with a number or wording to compare, the paper's beside ours.
 
     Raises
     ------

@@ -1,7 +1,7 @@
 """One notebook, executed by papermill in a process of its own, with its time and its memory.
 
-The process that waits learns everything from ``outcome.json``; where that is missing the child has died. A
-child whose parent is gone ends itself, and Jupyter's kernels do the same, so nothing goes on running unseen.
+The parent process reads the result from ``outcome.json``. If that file is missing, the child has crashed. A
+child ends itself when its parent is gone, and so do Jupyter's kernels, so that no process is left running.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Outcome:
     ----------
     problem : "" for success, else the cell and the last line of its error
     seconds : wall time
-    peak_mb : peak resident memory of the kernel in MB (10^6 bytes), 0 where the platform does not tell
+    peak_mb : peak resident memory of the kernel in MB (10^6 bytes), 0 where the platform does not report it
     """
 
     problem: str
@@ -46,7 +46,7 @@ class Outcome:
 
 
 class Children:
-    """The processes under way, so that an interruption ends them, and with them their kernels."""
+    """The running child processes. An interruption ends them, and with them their kernels."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -54,11 +54,11 @@ class Children:
         self._stopped = False
 
     def start(self, command: list[str], environment: dict[str, str], log: Path) -> subprocess.Popen[str]:
-        """Start a process that writes to ``log``; after :meth:`stop` none starts any more."""
+        """Start a process that writes to ``log``. After :meth:`stop` no process can be started."""
         with self._lock:
             self.refuse()
             with log.open("w") as out:
-                # In a session of its own Ctrl-C does not reach it: the process that waits ends it in order.
+                # Ctrl-C does not reach a child in its own session, so that the parent can end it in order.
                 child = subprocess.Popen(
                     command, env=environment, stdout=out, stderr=out, text=True, start_new_session=True
                 )
@@ -71,7 +71,7 @@ class Children:
             self._alive.discard(child)
 
     def stop(self) -> None:
-        """End all of them, in ten seconds if they will, and let none start any more."""
+        """Ask all to end, kill those left after ten seconds, and let no more start."""
         with self._lock:
             self._stopped = True
             for child in self._alive:
@@ -97,14 +97,14 @@ def execute(
     children: Children,
     advance: Callable[[int], None],
 ) -> Outcome:
-    """Execute one notebook into ``folder``: ``executed.ipynb``, and what it publishes under ``figures/``.
+    """Execute one notebook; ``folder`` gets ``executed.ipynb`` and what it publishes under ``figures/``.
 
     Parameters
     ----------
     root : the checkout
-    name, profile : which notebook, with which parameters
+    name, profile : the notebook, and the profile that gives its parameters
     folder : an empty folder that exists
-    children : the processes under way
+    children : the running child processes
     advance : called about every second with the number of finished code cells
     """
     (folder / "figures").mkdir()
@@ -141,7 +141,7 @@ def execute(
 
 
 def interrupt_once() -> None:
-    """Let SIGINT and SIGTERM raise KeyboardInterrupt, the first time only: tidying up is not interrupted."""
+    """Let only the first SIGINT or SIGTERM raise KeyboardInterrupt: cleaning up is not interrupted."""
 
     def handle(number: int, frame: FrameType | None) -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -153,7 +153,7 @@ def interrupt_once() -> None:
 
 
 def _cells_done(executed: Path) -> int:
-    """Cells that papermill has finished, read from the file it keeps writing; 0 if caught half written."""
+    """Cells that papermill has finished, read from the file that it updates; 0 if that is half written."""
     try:
         cells = json.loads(executed.read_text())["cells"]
     except (OSError, ValueError):
@@ -169,7 +169,7 @@ def _last_line(text: str) -> str:
 
 
 def _peak_mb() -> float:
-    """Peak resident memory of the largest process waited for, in MB; 0 where the platform does not tell."""
+    """Peak resident memory of the largest ended child, in MB; 0 where the platform does not report it."""
     if platform.system() == "Windows":
         return 0.0
     import resource
@@ -179,7 +179,7 @@ def _peak_mb() -> float:
 
 
 def _end_with(parent: int) -> None:
-    """End this process by a signal once the one that started it is gone."""
+    """End this process by a signal once its parent is gone."""
 
     def watch() -> None:
         while os.getppid() == parent:
@@ -190,7 +190,7 @@ def _end_with(parent: int) -> None:
 
 
 def main() -> int:
-    """In the child: execute one notebook, and leave ``outcome.json`` beside it."""
+    """Run in the child: execute one notebook and write ``outcome.json`` beside it."""
     import papermill
     from papermill.exceptions import PapermillExecutionError
 
@@ -220,7 +220,7 @@ def main() -> int:
         )
     except PapermillExecutionError as error:
         problem = f"cell In[{error.exec_count}]: {_last_line(f'{error.ename}: {error.evalue}')}"
-    except Exception as error:  # whatever the kernel died of is told with its notebook's name
+    except Exception as error:  # any error is reported with the notebook's name
         problem = f"{type(error).__name__}: {_last_line(str(error))}"
     seconds = round(time.perf_counter() - started, 1)
     outcome = {"problem": problem, "seconds": seconds, "peak_mb": _peak_mb()}

@@ -1,9 +1,9 @@
-"""From notebooks to figures: what is stale, resumably, with no half-written file.
+"""Execute stale notebooks and publish their figures. A run can be resumed and leaves no half-written file.
 
-Each notebook is executed into a temporary folder under ``build/``; only a whole result is renamed to
-``build/notebooks/<profile>/<name>/``, and only then are its figures copied, each by a rename, to
-``figures/``. A result carries the digest of everything it depends on, so a notebook is executed again exactly
-when that digest changes, and an interrupted run goes on with what had not come to its end.
+Each notebook is executed into a temporary folder under ``build/``. Only a complete result is renamed to
+``build/notebooks/<profile>/<name>/``. Then its figures are copied to ``figures/``, each by a rename. A result
+stores the digest of everything that it depends on. A notebook is executed again exactly when that digest
+changes, so an interrupted run continues with the notebooks that were not finished.
 """
 
 from __future__ import annotations
@@ -52,10 +52,10 @@ class Result:
 
     Attributes
     ----------
-    name, profile : which one
+    name, profile : the notebook and its profile
     state : "fresh" (nothing to do), "done" (executed now) or "failed"
     seconds : wall time of the execution that gave the result
-    peak_mb : peak resident memory of the kernel in MB (10^6 bytes), 0 where the platform does not tell
+    peak_mb : peak resident memory of the kernel in MB (10^6 bytes), 0 where the platform does not report it
     figures : published files, relative to the figures folder, in order
     problem : for a failure, the cell, the error's last line, and where the failed notebook is kept
     """
@@ -69,7 +69,7 @@ class Result:
     problem: str = ""
 
     def sentence(self) -> str:
-        """What the progress display says of it."""
+        """What the progress display says about the result."""
         if self.state == "failed":
             return f"failed: {self.problem}"
         if self.state == "fresh":
@@ -82,7 +82,7 @@ def digest(root: Path, name: str, profile: str) -> str:
     """Digest of everything a notebook's result depends on.
 
     These are its cells without outputs, the parameters of the profile, the package's source and data, the
-    pinned and the installed versions, Python, the platform, and the named meshes that are at hand.
+    pinned and the installed versions, Python, the platform, and the named meshes that are available.
     """
     notebook = notebooks.read(notebooks.path_of(root, name))
     lock = root / "requirements.lock"
@@ -123,7 +123,7 @@ def run(
     profile : "default" or "paper"
     jobs : notebooks executed at the same time
     root : the checkout; found from the working directory if not given
-    force : execute also what is fresh
+    force : also execute notebooks whose results are fresh
 
     Returns
     -------
@@ -165,7 +165,7 @@ def run(
 
 
 def refresh(names: Sequence[str] = (), jobs: int = 1, root: Path | None = None) -> list[Result]:
-    """Store the outputs of the default profile in the notebooks of the checkout, executing what is stale."""
+    """Execute stale notebooks of the default profile, and store all outputs in the checkout's notebooks."""
     root = repository() if root is None else root.resolve()
     results = run(names, "default", jobs, root)
     for result in results:
@@ -179,7 +179,7 @@ def refresh(names: Sequence[str] = (), jobs: int = 1, root: Path | None = None) 
 
 
 def records(root: Path) -> list[Result]:
-    """The results that lie in ``build/``, in reading order, the default profile first."""
+    """The results stored in ``build/``, in reading order, the default profile first."""
     found = []
     for profile in notebooks.PROFILES:
         for name in notebooks.names(root):
@@ -192,7 +192,7 @@ def records(root: Path) -> list[Result]:
 def report(root: Path | None = None) -> int:
     """Write times and memory of ``build/`` into REPRODUCING.md, and times into the index of the figures.
 
-    A notebook that was not executed here keeps the row that it has.
+    A notebook that was not executed here keeps its row.
 
     Returns
     -------
@@ -257,7 +257,7 @@ def _read_record(file: Path) -> tuple[str, Result]:
 
 
 def _stored(root: Path, name: str, profile: str, key: str) -> Result | None:
-    """The stored result, if it was made from the same things and is whole."""
+    """The stored result, if its digest is the same and no file is missing."""
     folder = _folder(root, name, profile)
     if not (folder / "record.json").is_file():
         return None
@@ -274,7 +274,7 @@ def _drop_leftovers(root: Path) -> None:
 
 
 def _execute(root: Path, name: str, profile: str, key: str, children: Children, progress: Progress) -> Result:
-    """Execute one notebook; keep a whole result under its name, or the failed notebook for a look at it."""
+    """Execute one notebook. Keep a complete result under its name, and a failed notebook for inspection."""
     kept = _folder(root, name, profile).with_name(f"{name}.failed.ipynb")
     kept.parent.mkdir(parents=True, exist_ok=True)
     kept.unlink(missing_ok=True)
@@ -315,7 +315,7 @@ def _publish(root: Path, result: Result) -> None:
 
 
 def _write(path: Path, content: bytes) -> None:
-    """Write a file by a rename, and not at all if it holds the same already."""
+    """Write a file by a rename, but do nothing if it has this content already."""
     if path.is_file() and path.read_bytes() == content:
         return
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -324,7 +324,7 @@ def _write(path: Path, content: bytes) -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """What the Makefile calls; status 1 if a notebook failed, 2 if the request makes no sense here."""
+    """What the Makefile calls; status 1 if a notebook failed, 2 if the request is not valid here."""
     parser = argparse.ArgumentParser(prog="python -m geoweave.artifact.figures")
     commands = parser.add_subparsers(dest="command", required=True)
     figures = commands.add_parser("figures", help="write figures/ from the notebooks that are stale")

@@ -1,4 +1,4 @@
-"""How far a run of notebooks has come: live bars on a terminal, elsewhere one line a notebook."""
+"""Progress of a run of notebooks: live bars on a terminal, elsewhere one line for each notebook."""
 
 from __future__ import annotations
 
@@ -46,19 +46,19 @@ class Progress:
         self._bars.stop()
 
     def start(self, name: str, cells: int) -> None:
-        """A notebook of so many code cells begins."""
+        """Report that a notebook with ``cells`` code cells starts."""
         with self._lock:
             self._tasks[name] = self._bars.add_task(name, total=cells)
 
     def advance(self, name: str, cells: int) -> None:
-        """So many of its cells are finished; a smaller number than before is passed over."""
+        """Report the number of finished cells. A smaller number than before is ignored."""
         with self._lock:
             task = self._tasks[name]
             if cells > self._bars.tasks[self._bars.task_ids.index(task)].completed:
                 self._bars.update(task, completed=cells)
 
     def finish(self, name: str, sentence: str, failed: bool = False) -> None:
-        """It has come to its end: its line is written for good."""
+        """Report that a notebook has ended, and write its final line."""
         with self._lock:
             self._ended += 1
             if name in self._tasks:

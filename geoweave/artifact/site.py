@@ -50,7 +50,7 @@ class Page(NamedTuple):
 
 
 def build(root: Path, target: Path) -> list[Path]:
-    """Write the pages of a checkout's notebooks into a folder, which is replaced as a whole.
+    """Write the pages of a checkout's notebooks into a folder. The whole folder is replaced.
 
     Parameters
     ----------
@@ -60,11 +60,11 @@ def build(root: Path, target: Path) -> list[Path]:
     Raises
     ------
     NotebookError
-        If a notebook cannot be read, or an equation in it cannot be set.
+        If a notebook cannot be read, or an equation in it cannot be converted.
     ClaimError
         If the list of claims does not fit the tables under ``figures/``.
     OutputError
-        If the folder is something else than an earlier site.
+        If the folder exists and is not an earlier site.
     """
     if (
         target.exists()
@@ -100,7 +100,7 @@ def page_of(notebook: Any, name: str, known: frozenset[str] = frozenset()) -> Pa
     Raises
     ------
     NotebookError
-        If an equation cannot be set.
+        If an equation cannot be converted.
     """
     parts: list[str] = []
     pictures: dict[str, bytes] = {}
@@ -126,7 +126,7 @@ def page_of(notebook: Any, name: str, known: frozenset[str] = frozenset()) -> Pa
 
 
 def _output(output: Any, name: str, pictures: dict[str, bytes]) -> str:
-    """A stored output: a picture, or text in a box that may be scrolled."""
+    """A stored output: a picture, or text in a box that can be scrolled."""
     if output.output_type == "stream":
         return _printed(output.text)
     if output.output_type == "error":

@@ -1,7 +1,7 @@
-"""A font for the mathematics of the pages: browsers set MathML well only with one that is made for it.
+"""A font for the mathematics of the pages: browsers display MathML well only in a font made for it.
 
-STIX Two Math (SIL Open Font License 1.1) comes inside ziamath (MIT); the pages take those of its characters
-that they use, some fifty kilobytes. The font is not kept here.
+STIX Two Math (SIL Open Font License 1.1) is installed with ziamath (MIT). The pages embed only the characters
+that they use, some fifty kilobytes. This repository does not contain the font.
 """
 
 from __future__ import annotations
@@ -42,22 +42,22 @@ def characters(pages: Iterable[str]) -> str:
 
 
 def math_font(text: str, source: Path | None = None) -> bytes:
-    """The font with these characters and what large ones are put together from, as WOFF.
+    """The font reduced to these characters and the parts of their large forms, as WOFF.
 
     Parameters
     ----------
     text : the characters
-    source : the font as TrueType or OpenType; by default that of the ziamath that is installed
+    source : the font as TrueType or OpenType; by default the one in the installed ziamath
 
     Raises
     ------
     OutputError
-        If it is not there, is no font for mathematics, or has not all of the characters.
+        If the font is missing, is no font for mathematics, or lacks some of the characters.
     """
     place = source or _installed()
     try:
         font = TTFont(place, recalcTimestamp=False)
-    except Exception as error:  # fontTools raises what its readers stumble over
+    except Exception as error:  # fontTools raises many kinds of error on a damaged file
         raise OutputError(f"{place}: cannot be read as a font ({error}); {_REMEDY}") from error
     missing = sorted(each for each in text if ord(each) not in (font.getBestCmap() or {}))
     if "MATH" not in font or missing:

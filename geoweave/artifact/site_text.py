@@ -1,7 +1,7 @@
 """Text, mathematics and code of a notebook as HTML that needs no script and no network.
 
-TeX becomes MathML, which today's browsers set by themselves (latex2mathml, MIT, 0.1 MB). KaTeX and MathJax
-set more of TeX, but bring scripts that run on every page, 0.6 and more than 1 MB with their fonts.
+latex2mathml (MIT, 0.1 MB) converts TeX to MathML, which today's browsers display without a script. KaTeX and
+MathJax support more of TeX, but their scripts run on every page. With fonts they take 0.6 and more than 1 MB.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def text_html(source: str, pages: frozenset[str] = frozenset()) -> str:
     Raises
     ------
     NotebookError
-        If an equation is not to be understood.
+        If an equation cannot be converted.
     """
     tokens = _markdown().parse(source)
     for token in tokens:
@@ -45,16 +45,16 @@ def text_html(source: str, pages: frozenset[str] = frozenset()) -> str:
 
 
 def equation(tex: str, display: bool = False) -> str:
-    """An equation as MathML; one on a line of its own may be scrolled where it is too wide.
+    """An equation as MathML. One on a line of its own can be scrolled where it is too wide.
 
     Raises
     ------
     NotebookError
-        If it is not to be understood.
+        If it cannot be converted.
     """
     try:
         found = convert(tex.strip(), display="block" if display else "inline")
-    except Exception as error:  # the converter has many kinds, some of them without a common base
+    except Exception as error:  # the converter raises many kinds of error, some without a common base
         raise NotebookError(f"the equation ${tex}$ cannot be set ({error!r}); write it anew") from error
     if re.search(r"\\\\[a-zA-Z]", tex) and r"\begin" not in tex:
         raise NotebookError(f"the equation ${tex}$ has a doubled backslash, which ends a line; write one")
@@ -64,7 +64,7 @@ def equation(tex: str, display: bool = False) -> str:
     if "\\" in plain(found) or bare.count("{") != bare.count("}") or not whole:
         raise NotebookError(f"the equation ${tex}$ has an unknown command or lacks a part; write it anew")
     found = re.sub(r'<mi mathvariant="([a-z-]+)">([^<]*)</mi>', _lettered, found)
-    # An exponent of a letter with a hat stands where it stands without the hat, as TeX has it.
+    # As in TeX, a hat on a letter does not raise the letter's exponent.
     found = re.sub(_HAT, r'\1<mpadded height="0.48em">\2</mpadded>', found)
     return f'<div class="equation">{found}</div>' if display else found
 
@@ -79,7 +79,7 @@ _HAT = (
 
 
 def _lettered(letters: re.Match[str]) -> str:
-    """Bold, script and other letters as characters of their own: browsers no longer know ``mathvariant``."""
+    """Replace bold, script and other letters by Unicode characters: browsers dropped ``mathvariant``."""
     if letters[1] == "normal":
         return letters[0]
     prefix = letters[1].replace("-", " ").upper()
@@ -115,7 +115,7 @@ def _formatter() -> Any:
 @cache
 def _markdown() -> MarkdownIt:
     markdown = MarkdownIt("commonmark", {"html": False, "typographer": False}).enable("table")
-    # Called anew for every equation, so that one that fails names itself.
+    # Called once for each equation, so that the error names the equation that failed.
     return markdown.use(
         dollarmath_plugin,
         renderer=lambda tex, options: equation(tex, options["display_mode"]),
@@ -123,7 +123,7 @@ def _markdown() -> MarkdownIt:
 
 
 def _relinked(tokens: list[Any], pages: frozenset[str]) -> None:
-    """Lead links to notebooks to their pages; leave out those to files that the site has not."""
+    """Point links to notebooks at their pages; drop links to files that the site does not contain."""
     open_ones: list[Any] = []
     for token in tokens:
         if token.type == "image":

@@ -1,4 +1,4 @@
-"""Local curl correction of Ray et al. 2006: a scale that makes little curl, face by face (Section 4.2.3).
+"""Local curl correction of Ray et al. 2006: a scale that keeps the curl on each face small (Section 4.2.3).
 
 The paper compares its integrating factor with this one (Figs. 13 and 15).
 """
@@ -34,21 +34,22 @@ def curl_corrected_scale(
 ) -> Scalars:
     """Find the scale s for which ``s w-perp`` has the least local curl (Ray et al. 2006; Section 4.2.3).
 
-    The scale and the field w-perp = -1j w are taken to the vertices, ``s w-perp`` is linear on each triangle,
-    and its curl is a constant there: linear finite elements, as the paper says of this method. It minimises
+    The scale and the field w-perp = -1j w are interpolated to the vertices. ``s w-perp`` is linear on each
+    triangle, so its curl is constant there. These are the linear finite elements that the paper describes for
+    this method. The scale minimises
 
     - ``"absolute"``: ``sum_i A_i curl_i(s w-perp)^2`` among scales of prescribed mean,
     - ``"relative"``: ``sum_i A_i (curl_i(s w-perp) / s)^2``, linear in ``log s``, so that s is positive,
 
-    plus ``smoothness * |grad s|^2`` (or ``|grad log s|^2``). The first is the problem of the paper, but for
-    the condition ``|s| = 1``, whose minimiser changes sign on the sphere of Fig. 13; the second is the
-    strongest form of the idea that we found (DEVIATIONS.md, curl-correction).
+    plus ``smoothness * |grad s|^2`` (or ``|grad log s|^2``). The first is the problem of the paper without
+    the condition ``|s| = 1``: under that condition the minimiser changes sign on the sphere of Fig. 13. The
+    second is the strongest form of the method that we found (DEVIATIONS.md, curl-correction).
 
     Parameters
     ----------
     field : unit field w on the surface, without singularities
-    measure : which curl to make small; where the absolute one leaves a scale below 1 % of its mean, it
-        is raised to that
+    measure : which curl to minimise; with "absolute", a scale below 1 % of its mean is raised to that
+        value
     smoothness : weight of the gradient of the scale, a number; `SMOOTHNESS` if not given
 
     Returns
@@ -70,11 +71,11 @@ def curl_corrected_scale(
     corners, areas = mesh.faces.ravel(), np.repeat(mesh.face_areas / 3.0, 3)
     lumped = np.bincount(corners, areas, mesh.n_vertices)
     stiffness = weight * (gradient(mesh).T @ field_mass(mesh) @ gradient(mesh))
-    # A flat constant field leaves the constants free.
+    # For a constant field on a flat surface the scale is determined only up to a constant.
     stiffness = stiffness + sparse.diags_array(DEFINITE * lumped / mesh.face_areas.sum())
     if measure == "absolute":
         matrix = of_scale.T @ face_mass(mesh) @ of_scale + stiffness
-        # Lagrange: the least form among scales of one mean is a multiple of this.
+        # By Lagrange multipliers, the minimiser among scales of a given mean is a multiple of this.
         at_vertices = _solved(matrix, np.asarray(lumped, dtype=np.float64))
     else:
         along = _derivative_along(field)
@@ -91,11 +92,11 @@ def local_curl(field: FaceField) -> sparse.csr_array:
     """Curl of ``s w-perp`` on each triangle for a scale at the vertices, (F, V); unit: field / length.
 
     ``curl_i = (1 / A_i) sum over the sides e_ab of (s_a w-perp_a + s_b w-perp_b) . e_ab / 2``, with
-    w-perp interpolated to the vertices by parallel transport and taken back to the plane of each face.
-    Counter-clockwise positive.
+    w-perp interpolated to the vertices by parallel transport and transported back to the plane of each face.
+    Counter-clockwise is positive.
     """
     mesh = field.mesh
-    # Corner k enters both sides at it, which together run along the opposite side, backwards.
+    # Corner k contributes to its two sides. Their sum is minus the opposite side.
     along = (_corner_directions(field).conj() * mesh.halfedge_vectors).real
     entries = -0.5 * along / mesh.face_areas[:, None]
     rows = np.repeat(np.arange(mesh.n_faces), 3)
@@ -105,7 +106,7 @@ def local_curl(field: FaceField) -> sparse.csr_array:
 
 
 def _derivative_along(field: FaceField) -> sparse.csr_array:
-    """The part of curl(s w-perp) that grad s makes, ``grad s x w-perp = -w . grad s`` on a face, (F, V)."""
+    """The part of curl(s w-perp) due to grad s, ``grad s x w-perp = -w . grad s`` on a face, (F, V)."""
     mesh = field.mesh
     rows, columns = np.repeat(np.arange(mesh.n_faces), 2), np.arange(2 * mesh.n_faces)
     dot = sparse.csr_array((-as_real(field.values), (rows, columns)), shape=(mesh.n_faces, 2 * mesh.n_faces))
@@ -121,7 +122,7 @@ def _corner_directions(field: FaceField) -> Complexes:
     arriving *= mesh.corner_angles.ravel()[:, None]
     total = np.stack([np.bincount(vertex, arriving[:, k], mesh.n_vertices) for k in range(3)], axis=1)
     length = np.linalg.norm(total, axis=1, keepdims=True)
-    # Where the field of a fan cancels there is no direction: the vertex then counts with length zero.
+    # Where the field around a vertex sums to zero there is no direction; the vertex then gets zero.
     at_vertex = total / np.where(length > 0, length, 1.0)
     planar = np.einsum("cx,cax->ca", _tilted(at_vertex[vertex], up, across), mesh.frames[face])
     return (planar[:, 0] + 1j * planar[:, 1]).reshape(-1, 3)

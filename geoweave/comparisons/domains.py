@@ -40,9 +40,9 @@ class Domains:
 
     @property
     def effective_number(self) -> float:
-        """``A^2 / sum A_d^2``: so many equal domains would leave a random point as much room around it.
+        """``A^2 / sum A_d^2``: the number of domains, weighted by area; n for n domains of equal area.
 
-        Unlike the plain number it hardly counts the crumbs along a wall.
+        Unlike the plain number it hardly counts the tiny domains along a wall.
         """
         return float(self.areas.sum() ** 2 / (self.areas**2).sum())
 
@@ -76,16 +76,16 @@ def ordered_domains(field: FaceField, angle: float = WALL_ANGLE) -> Domains:
 
 
 def worst_share(values: Scalars, part: float = 0.01) -> float:
-    """Share of the sum of ``|values|`` that the largest ``part`` of them hold: 1 if all is in one place."""
+    """Share of the sum of ``|values|`` in the fraction ``part`` of largest ones; 1 if the rest is zero."""
     size = np.sort(np.abs(values))[::-1]
     return float(size[: max(1, round(part * len(size)))].sum() / size.sum())
 
 
 def area_holding(mesh: TriMesh, density: Scalars, share: float = 0.9) -> float:
-    """Smallest part of the surface that holds a share of the integral of ``|density|`` (F,), as a part of 1.
+    """Smallest fraction of the area that holds a share of the integral of ``|density|``, density (F,).
 
-    It is near ``share`` for what is spread evenly and near 0 for what is sparse, such as the ``|delta|^2`` of
-    a sharpened field (Section 4.1.4).
+    It is near ``share`` for an even density and near 0 for a sparse one, such as the ``|delta|^2`` of a
+    sharpened field (Section 4.1.4).
     """
     order = np.argsort(-np.abs(density), kind="stable")
     held = np.cumsum((mesh.face_areas * np.abs(density))[order])

@@ -28,10 +28,10 @@ class SingularLines:
     ----------
     mesh : the surface
     edges : (n,) the edges, indices into ``mesh.edges``
-    line_of_edge : (n,) line that each belongs to, numbered from 0
+    line_of_edge : (n,) line that each edge belongs to, numbered from 0
     lengths : (lines,) length of the edges of each line
-    curls : (lines,) ``sum |(w_j - w_i) . e_ij|`` over its edges: the curl that sits on the line. An edge that
-        the vectors of both sides meet at equal angles adds nothing.
+    curls : (lines,) ``sum |(w_j - w_i) . e_ij|`` over its edges: the curl on the line. An edge adds
+        nothing where the vectors on both sides make equal angles with it.
     """
 
     mesh: TriMesh
@@ -50,7 +50,7 @@ class SingularLines:
 
     @property
     def curl(self) -> float:
-        """Curl that sits on all lines together, a length for a unit field."""
+        """Curl on all lines together, a length for a unit field."""
         return float(self.curls.sum())
 
 
@@ -59,14 +59,14 @@ def singular_lines(
 ) -> SingularLines:
     """Find the lines on which a field is singular.
 
-    Edges across which the field turns by more than the angle are joined at their vertices; what is left of
-    those that span too little (the diagonal of their box) is dropped.
+    Edges across which the field turns by more than the angle are joined at their vertices. A line is dropped
+    if its span, the diagonal of its bounding box, is too short.
 
     Parameters
     ----------
     field : the field; lengths matter for ``curls`` only
     angle : degrees, between 0 and 180
-    shortest : in mean edges of the mesh
+    shortest : least span, in mean edge lengths of the mesh
 
     Raises
     ------

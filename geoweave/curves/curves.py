@@ -212,9 +212,10 @@ def lifted(curves: Curves, part: Part) -> Curves:
 def geodesic_curvature(curves: Curves, window: float | None = None) -> Scalars:
     """Signed geodesic curvature, the turning per length ``k(s) = sum_q turning_q K(s - s_q) / integral K``.
 
-    The turning of a polyline sits in its points; the hat ``K(t) = max(0, 1 - |t| / window)`` spreads it over
-    arc length and runs round a closed curve; near the ends of an open one it stays where it just fits. For a
-    fixed window the result converges under refinement; it is zero on a straightest geodesic.
+    The turning of a polyline is concentrated at its points. The hat ``K(t) = max(0, 1 - |t| / window)``
+    spreads it over arc length. On a closed curve the hat runs round the curve. Near an end of an open one it
+    stays where it just fits. For a fixed window the result converges under refinement. It is zero on a
+    straightest geodesic.
 
     Parameters
     ----------
@@ -271,7 +272,7 @@ def _spread(
         # A hat wider than the closed curve would count a point twice.
         reach = min(width, 0.5 * length) if closed[c] else width
         for p in range(start, end):
-            # Half a hat at an end would show the noise of single facets.
+            # Half a hat at an end would average over too few facets and show their noise.
             inset = 0.0 if closed[c] else min(width, 0.5 * length)
             s = min(max(arclength[p], inset), length - inset)
             total = 0.0

@@ -150,7 +150,7 @@ def unfold(g: Ground, face: int, k: int) -> complex:
 
 @compiled
 def around_vertex(g: Ground, face: int, k: int, sign: float) -> tuple[int, int, int, float]:
-    """Choose where a line goes on that came along half-edge k of a face to its head.
+    """Choose where a line goes on after it has come along half-edge k of a face to its head.
 
     The faces around the vertex are unfolded about it, starting from the edge the line came along. Straight on
     is half the angle around the vertex. The line may go into a face whose own vector leads from the vertex
@@ -204,7 +204,8 @@ def straight_through(g: Ground, face: int, c: int, way: complex) -> tuple[int, i
     face it enters, corner of that face at the vertex, direction there
     """
     out = g.sides[face, (c + 2) % 3]
-    # Counter-clockwise from the side that leaves the corner: to where the line came from, and half round.
+    # Angles run counter-clockwise from the side that leaves the corner: first back along the line, then
+    # half the total angle on.
     ahead = np.angle(-way * out.conjugate()) + 0.5 * g.around[g.faces[face, c]]
     while True:
         out = g.sides[face, (c + 2) % 3]

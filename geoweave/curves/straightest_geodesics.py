@@ -183,7 +183,7 @@ def _walk_all(
 def _back_to_back(
     back: tuple[Vectors, Indices, Indices], ahead: tuple[Vectors, Indices, Indices]
 ) -> tuple[Vectors, Indices, Indices]:
-    """Turn the first lines round and let the second go on from their common starts."""
+    """Reverse the first lines and append the second ones, which have the same starts."""
     lengths = back[2] - 1
     ends = np.cumsum(back[2])
     # Points of a line backwards without its start; their segments lie in the faces one point nearer to it.

@@ -60,7 +60,7 @@ def blocked(
     q: Samples, point: Vectors, normal: Vectors, near: float, line: int, s: float, free: float,
     start: Vectors, close: float, zone: float,
 ) -> bool:  # fmt: skip
-    """Whether a point is nearer than ``near`` to another line, or its own line more than ``free`` away on it.
+    """Whether a point is nearer than ``near`` to another line, or to its own more than ``free`` along it.
 
     A line that comes back to its own start from behind, in line with it, is let through to close.
     ``start`` holds the first point, the heading there and the direction to its left.
@@ -93,7 +93,7 @@ def blocked(
 
 @compiled
 def first_free(g: Ground, q: Samples, faces: Indices, places: Complexes, first: int, near: float) -> int:
-    """Index of the first place, from ``first`` on, with no line nearer than ``near``; or their number."""
+    """Index of the first place, from ``first`` on, with no line nearer than ``near``; else their number."""
     point = np.empty(3)
     start = np.zeros((3, 3))
     for c in range(first, len(faces)):

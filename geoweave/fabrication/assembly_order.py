@@ -31,10 +31,10 @@ class Step(NamedTuple):
 def assembly(pattern: Pattern) -> tuple[Step, ...]:
     """Order the ribbons: a backbone of medium length, then always the one that crosses most of what is there.
 
-    The first is the ribbon of medium length that crosses most others. While the backbone is built only
-    ribbons of medium length are taken if one of them crosses what is there, afterwards all. Equal ones go by
-    the share of their crossings that this fixes, then by their number. A piece of the weave that touches no
-    other begins like the first.
+    The first is the ribbon of medium length that crosses most others. While the backbone is built, only
+    ribbons of medium length are taken, as long as one of them crosses what is there. Afterwards all are. Ties
+    are broken by the share of a ribbon's crossings that this fixes, then by its number. A component of the
+    weave that touches no other begins like the first.
     """
     count = len(pattern.strips)
     crossed = np.zeros((count, count), dtype=np.int64)

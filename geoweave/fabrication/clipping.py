@@ -1,4 +1,4 @@
-"""Segments and polygons against boxes: the guides on a strip end at its edges and leave room for text."""
+"""Clip segments and polygons by boxes, so that guides end at the edges of a strip and leave room for text."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["clipped", "dashes", "outside", "rectangle", "span", "within"]
 
 
 def rectangle(left: float, right: float, half: float) -> NDArray[np.float64]:
-    """Four corners of a rectangle about the x axis, to the left about."""
+    """Four corners of a rectangle centred on the x axis, counter-clockwise."""
     return np.array([[left, -half], [right, -half], [right, half], [left, half]])
 
 

@@ -1,4 +1,4 @@
-"""Colours of what is drawn: those that laser cutters go by, or those of the families on paper."""
+"""Colours of figures: those that tell a laser cutter what to do, or those of the families on paper."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Ink(NamedTuple):
 
 
 def ink(figure: Figure, colours: Colours) -> Ink | None:
-    """How a figure is drawn, nothing if it is left out."""
+    """How a figure is drawn, None if it is left out."""
     role = figure.role
     if colours.style == "laser":
         colour = {
@@ -104,7 +104,7 @@ def ink(figure: Figure, colours: Colours) -> Ink | None:
 
 
 def mixed(colour: str, other: str, share: float) -> str:
-    """So much of a colour and the rest of another one."""
+    """Mix a share of a colour with the rest of another one."""
     parts = (
         round(share * int(colour[k : k + 2], 16) + (1 - share) * int(other[k : k + 2], 16)) for k in (1, 3, 5)
     )

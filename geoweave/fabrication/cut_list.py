@@ -32,7 +32,7 @@ COLUMNS = (
 
 
 class CutList(NamedTuple):
-    """What is cut from what."""
+    """Which pieces are cut from which stock length."""
 
     pieces: tuple[Piece, ...]
     stock: tuple[int, ...]
@@ -57,7 +57,7 @@ class CutList(NamedTuple):
         """The contents of ``cutlist.csv``: a row for each piece, then the totals in metres.
 
         ``order`` is the number of the step at which a strip is laid in; ``bow_mm`` and ``turning_deg`` are
-        what a straight strip neglects.
+        the bending of a ribbon that a straight strip neglects.
         """
         step = {each.strip: number for number, each in enumerate(order, 1)}
         out = io.StringIO()

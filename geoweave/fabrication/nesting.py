@@ -19,8 +19,8 @@ class Stock:
 
     Attributes
     ----------
-    width, height : of a sheet; without a height there is one sheet, as high as it must be, and without a
-        width too it is as wide as the longest strip
+    width, height : of a sheet. Without a height there is one sheet, as high as needed. If the width is
+        missing too, it is as wide as the longest strip
     margin : left free along the edges
     gap : between neighbouring strips
 
@@ -77,7 +77,7 @@ class Sheet(NamedTuple):
 
 
 def nested(drawings: Sequence[Drawn], stock: Stock) -> tuple[Sheet, ...]:
-    """Lay pieces in rows, each in the first row with room, the longest first; then rows on sheets.
+    """Lay pieces in rows, the longest first, each in the first row with room; then lay rows on sheets.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""Letters as strokes, and places where they meet nothing else (the labels of Section 5.4, Fig. 20).
+"""Letters as strokes, and places where they overlap nothing else (the labels of Section 5.4, Fig. 20).
 
-A laser engraves strokes, a page prints them, and no viewer can choose another font: the box of a text is that
-of its points, the same in every file. Letters are one line wide, capital letters and figures only.
+A laser can engrave strokes and a page can print them. No viewer can choose another font, so the box of a text
+is that of its points, the same in every file. Letters are one line wide, capital letters and figures only.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ COLUMN = 8.0
 
 Strokes = tuple[NDArray[np.float64], ...]
 
-# Height 6; a leading ~ rounds the corners of the stroke off. Strokes are "x,y x,y ...", apart by "|".
+# Height 6. Strokes are "x,y x,y ...", separated by "|". A leading ~ rounds the corners of a stroke.
 _GLYPHS = {
     "A": "0,0 2,6 4,0|0.67,2 3.33,2",
     "B": "0,0 0,6|~0,6 2.4,6 3.7,5.8 3.7,3.2 2.4,3.1 0,3.1|~0,3.1 2.6,3.1 4.1,2.9 4.1,0.1 2.6,0 0,0",
@@ -230,7 +230,7 @@ class Board:
         if box.left < self.left or box.right > self.right:
             return False
         left, bottom, right, top = box.grown(self.pad)
-        # Boxes that overlap share a column, so no others need to be asked.
+        # Boxes that overlap share a column, so no others need to be checked.
         for column in range(int(left // COLUMN), int(right // COLUMN) + 1):
             for other in self._columns.get(column, ()):
                 if other[0] < right and left < other[2] and other[1] < top and bottom < other[3]:

@@ -1,8 +1,8 @@
 """A sparse Cholesky factorisation for matrices of surfaces: supernodal, multifrontal, in dense blocks.
 
-SuperLU, which serves elsewhere, ignores symmetry and works column by column. Here columns of like pattern are
-gathered into supernodes, and each is eliminated by dense matrix products (Duff and Reid 1983, Liu 1992).
-The module knows matrices and never meshes.
+SuperLU, which is used elsewhere, ignores symmetry and works column by column. Here columns of similar pattern
+are gathered into supernodes. Each is eliminated by dense matrix products (Duff and Reid 1983, Liu 1992).
+The module works on matrices and never on meshes.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def _factor(
     """
     count = len(first) - 1
     place = np.empty(first[count], dtype=np.int64)
-    # Updates wait on a stack: postorder makes the last ones those of the children.
+    # Updates are kept on a stack. In postorder the top ones are those of the children.
     stack = np.empty(4 * largest * largest, dtype=np.float64)
     room = np.empty(largest * largest, dtype=np.float64)
     top = 0
@@ -95,9 +95,9 @@ def _factor(
 
 @compiled
 def _eliminate(front: NDArray[np.float64], block: NDArray[np.float64], left: Scalars) -> int:
-    """Eliminate the first columns of a front: their block of the factor, and the (m m) update that is left.
+    """Eliminate the first columns of a front: fills their block of the factor and the (m m) update left.
 
-    Returns the first column at which the front was not definite, or -1. Only lower triangles count.
+    Returns the first column at which the front was not definite, or -1. Only lower triangles are used.
     """
     size, width = block.shape
     m = size - width
@@ -130,7 +130,7 @@ def _eliminate(front: NDArray[np.float64], block: NDArray[np.float64], left: Sca
     elif m > 0:
         solved = np.dot(np.ascontiguousarray(front[width:, :width]), np.ascontiguousarray(inverse.T))
         block[width:] = solved
-        # Only the lower triangle is wanted: row panels, each against the rows up to its end.
+        # Only the lower triangle is needed: each row panel is multiplied by the rows up to its end.
         for panel in range(0, m, PANEL):
             stop = min(m, panel + PANEL)
             update = np.dot(solved[panel:stop], solved[:stop].T)
@@ -142,7 +142,7 @@ def _eliminate(front: NDArray[np.float64], block: NDArray[np.float64], left: Sca
 
 @compiled
 def _inverse_factor(matrix: NDArray[np.float64], inverse: NDArray[np.float64]) -> int:
-    """Inverse of the Cholesky factor of a dense block; the first row at which that fails, or -1.
+    """Invert the Cholesky factor of a dense block. Returns the first row at which that fails, or -1.
 
     Wide blocks are cut in two, [A, B'; B, C]: the factor's inverse is [P, 0; -Q B P' P, Q], with P for A and
     Q for the Schur complement C - B P' P B'.
@@ -198,7 +198,7 @@ def _solve(
     entries: Scalars,
     x: Scalars,
 ) -> None:
-    """Solve L L' x = b in place, supernode by supernode; narrow ones entry by entry."""
+    """Solve L L' x = b in place, supernode by supernode; narrow supernodes entry by entry."""
     count = len(first) - 1
     part = np.empty(NARROW, dtype=np.float64)
     for s in range(count):
@@ -254,7 +254,7 @@ def _solve(
 
 
 def factor(matrix: Matrix, symbolic: Symbolic) -> Scalars:
-    """Entries of the Cholesky factor of a positive definite matrix whose pattern was analysed.
+    """Entries of the Cholesky factor of a positive definite matrix with an analysed pattern.
 
     Raises
     ------
@@ -266,7 +266,7 @@ def factor(matrix: Matrix, symbolic: Symbolic) -> Scalars:
     if symbolic.fits(csr):
         values = csr.data[symbolic.place]
     else:
-        # Some entries are missing; the others find their places by themselves.
+        # The pattern differs, since some entries are missing: it is computed again from this matrix.
         upper, place = upper_triangle(csr, symbolic.order)
         lower = sparse.csc_array(sparse.csc_array((csr.data[place], upper.indices, upper.indptr)).T)
         start, rows, values = lower.indptr.astype(np.int64), lower.indices.astype(np.int64), lower.data

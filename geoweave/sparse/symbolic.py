@@ -1,7 +1,7 @@
-"""Where the entries of a sparse Cholesky factor will be: elimination tree, supernodes, their rows.
+"""Pattern of a sparse Cholesky factor: elimination tree, supernodes and their rows.
 
-It depends on the pattern of the matrix and on the order of elimination alone (Liu 1992), so that one analysis
-serves every matrix of the pattern. The module knows matrices and never meshes.
+It depends only on the pattern of the matrix and on the elimination order (Liu 1992). So one analysis serves
+every matrix of that pattern. The module works on matrices and never on meshes.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ Matrix: TypeAlias = sparse.csr_array | sparse.csc_array | sparse.dia_array
 
 @dataclass(frozen=True, eq=False)
 class Symbolic:
-    """Where the entries of the factor will be: depends on the pattern and its order alone.
+    """Pattern of the factor, which depends only on the matrix's pattern and the elimination order.
 
     Attributes
     ----------
     order : (n,) row ``order[k]`` of the matrix is eliminated in step k
     first : (S + 1,) first column of each supernode; its columns are consecutive
-    rows, row_start : rows of each supernode's block, its own columns first, ascending; and where they begin
-    parent : (S,) supernode that takes what a supernode leaves behind, -1 for a root
+    rows, row_start : rows of each supernode's block, ascending, its own columns first; and where they begin
+    parent : (S,) supernode that receives the update matrix of each supernode, -1 for a root
     block_start : (S + 1,) where each block begins among the factor's entries
-    starts, columns : the pattern that was analysed, by rows
+    starts, columns : the analysed pattern, by rows
     lower_start, lower_rows : lower triangle of the permuted pattern, by columns
-    place : where the entries of that triangle stand among those of the matrix
+    place : positions of that triangle's entries among those of the matrix
     """
 
     order: Indices
@@ -51,7 +51,7 @@ class Symbolic:
     place: Indices
 
     def fits(self, matrix: sparse.csr_array) -> bool:
-        """Whether a matrix has the pattern that was analysed."""
+        """Whether a matrix has the analysed pattern."""
         return np.array_equal(matrix.indptr, self.starts) and np.array_equal(matrix.indices, self.columns)
 
     @property
@@ -79,7 +79,7 @@ def _tree(n: int, start: Indices, index: Indices) -> Indices:
 
 @compiled
 def _postorder(parent: Indices) -> Indices:
-    """Nodes of a forest, children before parents, subtrees in one piece."""
+    """Nodes of a forest, children before parents, each subtree contiguous."""
     n = len(parent)
     head = np.full(n, -1, dtype=np.int64)
     after = np.full(n, -1, dtype=np.int64)
@@ -111,7 +111,7 @@ def _postorder(parent: Indices) -> Indices:
 
 @compiled
 def _counts(n: int, start: Indices, index: Indices, parent: Indices) -> Indices:
-    """Entries in each column of the factor, the diagonal included: by walking the row subtrees."""
+    """Count the entries in each column of the factor, diagonal included, by walking the row subtrees."""
     count = np.ones(n, dtype=np.int64)
     mark = np.full(n, -1, dtype=np.int64)
     for k in range(n):
@@ -137,7 +137,7 @@ def _supernodes(parent: Indices, count: Indices, relax: float) -> Indices:
         if k > 0 and parent[k - 1] == k:
             extra = count[k] + 1 - count[k - 1]
             width = k - first[used - 1]
-            # Columns of one chain may differ by a few rows: the zeros stored are cheaper than small blocks.
+            # Columns of one chain may differ by a few rows: storing zeros is cheaper than using small blocks.
             waste = zeros + extra * width
             total = 0.5 * (width + 1) * (width + 1) + count[k] * (width + 1.0)
             if extra == 0 or (waste <= relax * total and width < 256):
@@ -240,7 +240,7 @@ def analysed(matrix: Matrix, order: Indices) -> Symbolic:
 
 
 def upper_triangle(matrix: sparse.csr_array, order: Indices) -> tuple[sparse.csc_array, Indices]:
-    """Upper triangle of the permuted pattern, by columns, and where its entries stand in the matrix."""
+    """Upper triangle of the permuted pattern, by columns, and the positions of its entries in the matrix."""
     numbered = sparse.csr_array((np.arange(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)
     upper = sparse.triu(numbered.tocsc()[order][:, order], format="csc")
     return upper, np.asarray(upper.data, dtype=np.int64)

@@ -107,7 +107,7 @@ def relaxing(
     view : where from, or the name of a model in `VIEWS`
     hues : (R,) colour of each rod
     frames : how many states are drawn
-    times : vertices are drawn this many times as far from the first state as they are
+    times : factor that exaggerates the distance of each vertex from the first state
     alt : one sentence that says what is to be seen
 
     Raises

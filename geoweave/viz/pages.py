@@ -48,7 +48,7 @@ class Page:
     path : the PDF
     number : of the page, from 1
     crop : left, top, right and bottom of the part that is drawn, mm from the upper left corner; all if None
-    frame : whether a thin line surrounds it, as white paper ends nowhere on white ground
+    frame : whether a thin line surrounds it; without one the edge of white paper is invisible on white ground
     """
 
     path: str | PathLike[str]

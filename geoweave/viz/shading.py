@@ -34,7 +34,7 @@ class Family:
     ----------
     curves : the curves; they may lie on another mesh than the surface shown, such as a part of it
     colour : of the tubes
-    label : words for the legend; families of one label have one entry
+    label : text in the legend; families with the same label share one entry
     thickness : radius of the tubes in bounding radii
     """
 

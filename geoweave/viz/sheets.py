@@ -84,7 +84,7 @@ def sheet_arrows(
 
 
 def family_lines(cover: Cover, curves: Curves, width: float = 1.6) -> list[Lines]:
-    """Take lines drawn on the cover as lines of one colour for each family, which change at the cuts.
+    """Colour lines drawn on the cover by family; the family of a line changes at the cuts.
 
     Raises
     ------
@@ -129,7 +129,7 @@ def cut_edges(cover: Cover) -> tuple[Indices, Indices]:
 
 
 def spread(mesh: TriMesh, spacing: float) -> Indices:
-    """Choose faces whose middles are no closer than a distance, as many as fit, in the order of the faces."""
+    """Choose faces in their order, as many as fit, so that no two centres are closer than a distance."""
     middles = mesh.barycenters
     near, free, chosen = KDTree(middles), np.ones(len(middles), dtype=bool), []
     while free.any():
@@ -142,7 +142,7 @@ def spread(mesh: TriMesh, spacing: float) -> Indices:
 def rosy_scene(
     rosy: RoSyField, view: View | str, *, spacing: float = 0.085, thickness: float = 0.0035
 ) -> Scene:
-    """Draw an N-RoSy as rosettes on its surface, its singularities as dots, warm positive, blue negative.
+    """Draw an N-RoSy as rosettes, and its singularities as dots: warm if positive, blue if negative.
 
     Parameters
     ----------

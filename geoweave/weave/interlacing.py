@@ -1,9 +1,9 @@
 """Which ribbon passes over at each crossing (Section 5.2; interleaved triples: Section 6).
 
-A ribbon should go over and under in turn. That is a wish about two labels: with ``x_c`` the place, 0 or 1,
-of the upper ribbon among the two of crossing c, a ribbon that is number s of crossing c and then number t of
-crossing d alternates between them exactly when ``x_c ^ x_d == 1 ^ s ^ t``. The paper colours the crossings
-greedily; `optimal` finds the best labels with a proof (geoweave.weave.best_labels).
+A ribbon should go over and under in turn. This relates the labels of consecutive crossings. Let ``x_c`` be 0
+or 1: which of the two ribbons of crossing c lies over. A ribbon that is number s of crossing c and then
+number t of crossing d alternates between them exactly when ``x_c ^ x_d == 1 ^ s ^ t``. The paper labels the
+crossings greedily. `optimal` finds the best labels with a proof (geoweave.weave.best_labels).
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Interlacing:
 
 
 def judged(passages: Passages, over: ArrayLike) -> Interlacing:
-    """Count what given sides (C,) break, without a bound.
+    """Count the relations that given sides (C,) break. The result has no bound.
 
     Raises
     ------
@@ -74,8 +74,8 @@ def judged(passages: Passages, over: ArrayLike) -> Interlacing:
 def greedy(passages: Passages, seed: int = 0) -> Interlacing:
     """The paper's rule: one ribbon after the other in random order, over and under in turn (Section 5.2).
 
-    Where an earlier ribbon has settled a crossing the wrong way round, that decision stands and the ribbon
-    goes on alternating from it. A ribbon begins over unless its first crossing is settled.
+    A crossing that an earlier ribbon has labelled keeps its label, even where it breaks the alternation. The
+    ribbon then alternates from there. A ribbon begins over unless its first crossing has a label.
 
     Parameters
     ----------
@@ -95,9 +95,10 @@ def greedy(passages: Passages, seed: int = 0) -> Interlacing:
 
 
 def optimal(passages: Passages, effort: int = EFFORT) -> Interlacing:
-    """The sides that break the fewest relations, and of these the ones that interleave the most triangles.
+    """Find the sides that break the fewest relations; among these, the ones that interleave most triangles.
 
-    Solved exactly by `best_labels`; when the counted effort is used up, the best found with a valid bound.
+    `best_labels` solves this exactly. When the counted effort is used up, it returns the best sides found
+    with a valid bound.
     The same passages give the same sides on every machine. Crossings of the same two ribbons within a
     ribbon's width should be `merged` first. The paper leaves the choice among assignments, and interleaving,
     to future work (Section 6).

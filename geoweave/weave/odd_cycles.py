@@ -1,4 +1,4 @@
-"""Odd cycles of a graph whose edges ask their ends to agree or to differ: those of least weight.
+"""Lightest odd cycles of a graph whose edges ask their ends to agree or to differ.
 
 In the doubled graph each node has two copies. An edge that asks for agreement (parity 0) joins equal copies,
 one that asks for difference (parity 1) joins different ones. A closed walk has odd parity exactly when it
@@ -41,7 +41,7 @@ class Graph(NamedTuple):
 
 
 def adjacency(nodes: int, start: Indices, end: Indices) -> sparse.csr_array:
-    """(nodes, nodes) a one for each edge."""
+    """(nodes, nodes) matrix with a one for each edge."""
     return sparse.csr_array((np.ones(len(start)), (start, end)), shape=(nodes, nodes))
 
 
@@ -62,7 +62,7 @@ class DoubledGraph:
         self.starts = np.concatenate([[0], np.cumsum(np.bincount(tail, minlength=2 * nodes))])
 
     def odd_cycles(self, weight: Scalars, sources: Indices, limit: float) -> list[Indices]:
-        """Lightest odd cycles through the sources, none heavier than the limit; their edges.
+        """Edges of the lightest odd cycles through the sources, none heavier than the limit.
 
         The weights are raised on the edges found.
         """
@@ -105,10 +105,10 @@ def _odd_walks(
 ) -> tuple[Indices, Indices]:  # fmt: skip
     """Lightest odd closed walks through the sources in turn, none heavier than ``limit``.
 
-    Dijkstra's method from each source. The way from the other copy of the source to a node mirrors that from
-    the source to the other copy of the node: a walk is the two ways to both copies of one node, and a search
-    needs go half as far. The weight of the edges found is ``raised`` before the next search, so that walks
-    differ.
+    Dijkstra's method runs from each source. The path from the other copy of the source to a node mirrors the
+    path from the source to the other copy of the node. So a closed walk consists of the two paths to both
+    copies of one node, and a search only goes half as far. The weight of the edges found is ``raised`` before
+    the next search, so that walks differ.
 
     Parameters
     ----------

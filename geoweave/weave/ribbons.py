@@ -26,12 +26,12 @@ class Cutting:
     Attributes
     ----------
     sharpest : a ribbon is cut where its geodesic curvature exceeds this, 1 / d; the sharp stretch is left out
-    window : half-width of the hat that this curvature is taken over, d: a kink by ``sharpest * window``
-        radians is cut, on a coarse mesh and on a fine one
+    window : half-width of the hat that this curvature is averaged over, d. A kink of ``sharpest * window``
+        radians is cut, on a coarse mesh as on a fine one
     shortest : pieces shorter than this are dropped, d
     reach : how far an open end may be extended along a geodesic to its first crossing, d
-    tail : what is left of a ribbon beyond its last crossing, d; two ribbons that cross again within it on
-        both of them touch
+    tail : length of a ribbon beyond its last crossing, d. Two ribbons that cross again within this length
+        along both of them count as touching
     shallowest : an end is held by a crossing at this angle or more, degrees
     beside : a ribbon that runs along longer ones at this distance or less, d, for more than half of its
         length doubles them and is left out
@@ -96,10 +96,11 @@ class Ribbons:
 def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = None) -> Ribbons:
     """Make ribbons of level sets drawn on a surface (the post-processing of Section 5.2).
 
-    Cut where the geodesic curvature is too high, drop what is short or doubles another, extend open ends
-    along straightest geodesics, also across punctures, to the first crossing, and trim them there; an end
-    that would meet its first crossing at a shallow angle goes back to one that holds it. Ribbons that became
-    too short are dropped, and ends that they held are trimmed back to a crossing that is left.
+    Level sets are cut where the geodesic curvature is too high. Ribbons that are short or double another are
+    dropped. Open ends are extended along straightest geodesics, also across punctures, to the first crossing
+    and trimmed there. An end that would meet its first crossing at a shallow angle goes back to a crossing
+    that holds it. Ribbons that became too short are dropped, and ends that they held are trimmed back to a
+    crossing that is left.
 
     Parameters
     ----------
@@ -135,7 +136,7 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
         loose = loose_ends(found, firm, tail)
         if not loose.any():
             return Ribbons(found, met, frozen(origin[which]), spacing, numbers)
-        # What held these ends was itself trimmed or dropped: back to the last crossing that is left.
+        # The ribbon that held these ends was itself trimmed or dropped. Trim back to the last crossing left.
         first, last = outermost(firm, len(found))
         start[which] += np.where(loose[:, 0], np.maximum(first - tail, 0.0), 0.0)
         back = np.maximum(found.lengths - last - tail, 0.0)
@@ -170,8 +171,8 @@ def _cut(curves: Curves, sharpest: float, window: float, shortest: float) -> tup
 def _without_touching(met: Crossings, curves: Curves, near: float) -> Crossings:
     """Leave out crossings at which two curves only touch.
 
-    Of several crossings of the same two curves near each other one stays if their number is odd. If it is
-    even, the curves are on their old sides afterwards, and none stays.
+    Where the same two curves cross several times near each other, one crossing stays if their number is odd.
+    If it is even, each curve ends on the side where it began, and none stays.
     """
     joined = merged(Passages.on(curves, met), near, curves.lengths)
     odd = np.bincount(joined.group, minlength=len(joined.kept)) % 2 == 1

@@ -1,4 +1,4 @@
-"""Whether ribbons make a valid weave: checked on the result, not by what made it (Section 5.2)."""
+"""Whether ribbons make a valid weave, checked on the result alone (Section 5.2)."""
 
 from __future__ import annotations
 
@@ -145,7 +145,7 @@ def _unlisted(ribbons: Ribbons, near: float) -> list[str]:
     pairs = np.sort(curves.curve_of_point[np.stack([a, b], axis=1)], axis=1)
     missed = np.flatnonzero(~_among(pairs, where, met.curves, met.points, near))
     pairs, where = pairs[missed], where[missed]
-    # Two that cross and cross back within a tail only touch: each such place has another one beside it.
+    # Ribbons that cross and cross back within a tail only touch: each such place has another beside it.
     tail = ribbons.cutting.tail * ribbons.spacing
     touching = _among(pairs, where, met.curves, met.points, tail) | _among(
         pairs, where, pairs, where, tail, besides_itself=True
@@ -186,7 +186,7 @@ def _among(
     rank = 2 if besides_itself else 1
     if len(known) < rank:
         return np.zeros(len(pairs), dtype=bool)
-    # The ribbons as two more coordinates, so far apart that the nearest is one of the same two.
+    # The two ribbons are two more coordinates, scaled so that the nearest place is one of the same two.
     far = 4.0 * float(np.abs(known).max() + np.abs(points).max(initial=0.0) + near)
     there = np.concatenate([known, far * np.sort(known_pairs, axis=1)], axis=1)
     here = np.concatenate([points, far * pairs], axis=1)

@@ -14,7 +14,7 @@ __all__ = ["Neighbours", "widths_that_fit"]
 
 
 def widths_that_fit(distance: Scalars, first: Scalars, second: Scalars) -> Scalars:
-    """Width up to which two ribbons that cross a third one, straight, do not overlap on it.
+    """Width up to which two straight ribbons that cross a third one do not overlap on it.
 
     A strip of width W that crosses at the angle a covers ``y cot a +- W / (2 sin a)`` at the height y of the
     one it crosses, ``|y| <= W/2``. Two of them at a distance x keep clear of each other up to
@@ -45,7 +45,7 @@ class Neighbours:
     ribbon : (M,) the ribbon
     first, second : (M,) the two crossings, in the order in which they come on it
     others : (M, 2) the two ribbons that it crosses there
-    distance : (M,) between them along the ribbon
+    distance : (M,) between the two crossings, along the ribbon
     widths : (M,) largest width at which these two do not overlap, a length
     triangles : (T, 3) pairs that form a triangle, see `Passages.triples`
     """
