@@ -1,6 +1,7 @@
 """Imports point one way, renderers stay in one room, nothing is pickled, rooms are small and tested."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -173,6 +174,14 @@ def test_a_face_says_what_lives_there_and_loads_nothing(face: Path) -> None:
             assert not first or (face.parent / first).is_dir() or (face.parent / f"{first}.py").is_file(), (
                 name
             )
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_a_face_names_what_is_there(room: str) -> None:
+    text = ast.get_docstring(ast.parse((PACKAGE / room / "__init__.py").read_text(encoding="utf-8"))) or ""
+    face = (PACKAGE / room / "__init__.pyi").is_file()
+    names = set(re.findall(r"(?<!`)`([A-Za-z_]+)`(?!`)", text))
+    assert names <= (set(offered(PACKAGE / room / "__init__.py")) if face else set())
 
 
 @pytest.mark.parametrize("path", [path for path in MODULES if room_of(path) != "viz"], ids=label)
