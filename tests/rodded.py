@@ -69,7 +69,8 @@ def crumpled(seed=0):
     contacts = Contacts([[0, 9], [5, 13], [2, 7]], [[0.3, 0.6], [0.1, 0.9], [0.5, 0.5]], [0, 1, 1])
     widths = np.linspace(0.2, 0.3, len(edges))
     material = Material(0.05, young=100.0)
-    return Rods(rods.layout, points, directors, widths, 1.1 * lengths, contacts, material)
+    natural = 0.3 * rng.normal(size=len(rods.layout.joints))
+    return Rods(rods.layout, points, directors, widths, 1.1 * lengths, contacts, material, natural=natural)
 
 
 def turned(rods, rotation, shift):
@@ -84,6 +85,7 @@ def turned(rods, rotation, shift):
         rods.material,
         None,
         rods.twists,
+        rods.natural,
     )
 
 

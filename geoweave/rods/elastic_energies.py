@@ -142,9 +142,10 @@ def flatwise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
 
 
 def edgewise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
-    """Return the energy of geodesic curvature, ``1/2 sum B k^2 / l``, ``k = -kb . tau``.
+    """Return the energy of geodesic curvature, ``1/2 sum B (k - k0)^2 / l``, ``k = -kb . tau``.
 
-    As `flatwise_bending`, with B = Y h w^3 / 12: (w / h)^2 times as stiff.
+    As `flatwise_bending`, with B = Y h w^3 / 12: (w / h)^2 times as stiff. The natural curvature k0 is that
+    of the strip as it is cut (`Rods.natural`), zero for the paper's straight strips.
     """
     return _bending("geodesic curvature", layout, unknowns, flatwise=False)
 
@@ -162,7 +163,8 @@ def _bending(name: str, layout: Layout, unknowns: Indices | None, *, flatwise: b
         return np.sqrt(stiffness(rods.joint_widths) / rods.spans)
 
     def residual(rods: Rods) -> Table:
-        return (weight(rods) * (rods.binormals * axis(rods)).sum(axis=1))[:, None]
+        bent = (rods.binormals * axis(rods)).sum(axis=1)
+        return (weight(rods) * (bent if flatwise else bent - rods.natural))[:, None]
 
     def derivative(rods: Rods) -> Table:
         middle, kb, chi = axis(rods), rods.binormals, rods.openness[:, None]

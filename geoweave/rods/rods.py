@@ -204,7 +204,8 @@ class Contacts:
 class Rods:
     """Elastic rods in space and the contacts between them, immutable.
 
-    Their natural shape is straight, flat and untwisted, of the lengths ``rest``.
+    Their natural shape is flat and untwisted, of the lengths ``rest``; within its plane it is as curved as
+    ``natural`` says, by default straight.
 
     Attributes
     ----------
@@ -219,6 +220,9 @@ class Rods:
         stiff contacts see their direction and a difference of points has lost its last digits
     twists : (J,) angle of tau against its parallel transport over each joint, radians; if not given, the
         branch within a quarter of a turn
+    natural : (J,) natural geodesic curvature over each joint, in the measure of `geodesic`: the strip, cut
+        free and laid flat, turns there by ``-2 atan(natural / 2)`` to its left, seen from where tau points
+        to; if not given, zero: straight strips
 
     Raises
     ------
@@ -243,9 +247,12 @@ class Rods:
     material: Material
     edges: Vectors = DERIVED
     twists: Scalars = DERIVED
+    natural: Scalars = DERIVED
 
     def __post_init__(self) -> None:
         layout = self.layout
+        if self.natural is DERIVED:
+            object.__setattr__(self, "natural", np.zeros(len(layout.joints)))
         if self.edges is DERIVED:
             start, end = layout.ends.T
             object.__setattr__(self, "edges", self.points[end] - self.points[start])
@@ -255,6 +262,7 @@ class Rods:
             ("widths", (layout.segments,)),
             ("rest", (layout.segments,)),
             ("edges", (layout.segments, 3)),
+            ("natural", (len(layout.joints),)),
         ):
             array = getattr(self, name)
             if array.shape != shape:
@@ -324,6 +332,12 @@ class Rods:
         """(J, 3) curvature binormal ``2 t x t' / (1 + t . t')`` (Bergou et al. 2008)."""
         a, b = self.layout.joints.T
         return frozen(2.0 * cross(self.tangents[a], self.tangents[b]) / self.openness[:, None])
+
+    @cached_property
+    def geodesic(self) -> Scalars:
+        """(J,) geodesic curvature over each joint, ``-kb . tau`` with the mean of both tau; a pure number."""
+        a, b = self.layout.joints.T
+        return frozen(-0.5 * (self.binormals * (self.directors[a] + self.directors[b])).sum(axis=1))
 
     @cached_property
     def spans(self) -> Scalars:

@@ -109,9 +109,7 @@ def test_rigid_motions_cost_nothing(name):
 @pytest.mark.parametrize("name", [name for name in NAMES if "contact" not in name and name != "sliding"])
 def test_turning_a_strip_over_changes_nothing(name):
     rods = crumpled()
-    over = Rods(
-        rods.layout, rods.points, -rods.directors, rods.widths, rods.rest, rods.contacts, rods.material
-    )
+    over = replace(rods, directors=-rods.directors, natural=-rods.natural, twists=DERIVED)
     term = all_terms(rods)[name]
     assert term.energy(over) == pytest.approx(term.energy(rods), rel=1e-13)
 
@@ -146,6 +144,19 @@ def test_the_bending_energy_of_a_ring_converges_to_pi_b_over_r(upright, kind):
     rates = np.log2(np.array(errors[:-1]) / errors[1:])
     assert (rates > 1.9).all()
     assert errors[-1] < 2e-3
+
+
+@pytest.mark.parametrize("natural", [0.0, 0.3, 1.0])
+def test_a_ring_of_a_naturally_curved_strip_has_the_energy_of_what_it_is_unbent_by(natural):
+    # A flat ring of radius R, cut with the curvature c: pi B R (1 / R - c)^2. Its flat inner angle
+    # turns left seen from tau, which is a negative -kb . tau.
+    radius, count = 2.0, 80
+    rods = ring(count, radius, upright=False)
+    rods = replace(rods, natural=-2 * np.tan(0.5 * natural * rods.spans))
+    stiffness = 1e6 * 0.01 * 0.1**3 / 12
+    expected = np.pi * stiffness * radius * (1 / radius - natural) ** 2
+    assert edgewise_bending(rods.layout).energy(rods) == pytest.approx(expected, rel=1e-2)
+    assert flatwise_bending(rods.layout).energy(rods) < 1e-25
 
 
 def test_a_helix_bends_flatwise_and_twists_by_its_torsion():

@@ -66,6 +66,50 @@ def test_a_cantilever_under_a_large_end_load_is_the_elastica():
     assert errors[1] < 0.02
 
 
+def curved_bar(count, curvature, length=1.0):
+    """A bar that lies straight along x, its z up, cut with a curvature to the left."""
+    rods = bar(count, length)
+    return replace(rods, natural=-2 * np.tan(0.5 * curvature * rods.spans))
+
+
+def test_a_cantilever_cut_to_an_arc_springs_back_to_it():
+    # radius 1 / c: after an arc length s it is at (sin(c s), 1 - cos(c s)) / c
+    errors = []
+    for count in (20, 40):
+        rods = curved_bar(count, 1.5)
+        found = minimized(rods, elastic_terms(rods.layout), fixed=clamped(rods))
+        assert found.converged
+        assert sum(found.energies.values()) < 1e-12
+        end = np.array([np.sin(1.5), 1 - np.cos(1.5), 0]) / 1.5
+        errors.append(np.linalg.norm(found.rods.points[-1] - end))
+    # the clamped half segment is straight, so the error falls with the size of a segment
+    assert errors[1] < 0.6 * errors[0] < 0.03
+
+
+def test_a_small_load_moves_an_arc_as_castigliano_says():
+    # A quarter of a ring, radius R = 1, clamped at its start at angle 0. A force F at its end, back along x,
+    # has the moment F R cos, so it moves the end by F R^3 / B times the integral of cos^2: pi / 4.
+    stiffness = 1e6 * 0.01 * 0.1**3 / 12
+    moved = []
+    for count in (40, 80):
+        rods = curved_bar(count, 1.0, np.pi / 2)
+        still = clamped(rods)
+        free = minimized(rods, elastic_terms(rods.layout), fixed=still).rods
+        load = np.zeros((rods.layout.vertices, 3))
+        load[-1, 0] = -1e-4 * stiffness
+        bent = minimized(free, elastic_terms(rods.layout), fixed=still, load=load, stepping=Stepping(1e-9))
+        moved.append((free.points[-1, 0] - bent.rods.points[-1, 0]) / 1e-4)
+    errors = abs(np.array(moved) / (np.pi / 4) - 1)
+    assert errors[1] < 0.6 * errors[0] < 0.1
+
+
+def test_a_strip_cut_to_a_ring_closes():
+    rods = curved_bar(60, 2 * np.pi * 59 / 60 / 1.0, 1.0)  # joints turn by 2 pi / 60
+    found = minimized(rods, elastic_terms(rods.layout))
+    assert found.converged
+    assert np.linalg.norm(found.rods.points[-1] - found.rods.points[0]) < 0.02
+
+
 def wobbly(count=24, size=0.02, seed=0):
     """A ring with every vertex and every section a little out of place."""
     hoop = ring(count)
