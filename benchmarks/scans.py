@@ -27,6 +27,7 @@ from geoweave.errors import GeoweaveError
 from geoweave.meshing import Prepared, RepairReport, evened, read_mesh
 from geoweave.models import catalogue, datasets
 from geoweave.weave.design import weave_pattern
+from geoweave.weave.regularity import Regularity
 from geoweave.weave.validity import violations
 from scripts.embed_scans import unpacked
 
@@ -130,6 +131,7 @@ def measure(name: str) -> dict:
         weave = weave_pattern(mesh)
     except GeoweaveError as error:
         return row | {"broken": [f"{type(error).__name__}: {error}"], "seconds": perf_counter() - start}
+    regular = Regularity.of(weave)
     angles, turns = weave.crossing_angles, weave.interlacing
     woven = np.unique(mesh.face_components[weave.ribbons.curves.faces])
     return row | {
@@ -141,6 +143,12 @@ def measure(name: str) -> dict:
         "within_20": float((np.abs(angles - 60.0) <= 20.0).mean()),
         "alternation": turns.alternation,
         "bound": turns.alternation_bound,
+        "piled": regular.piled,
+        "order": regular.phase_order,
+        "bare_area": regular.bare,
+        "spread": regular.spacing_spread,
+        "cells": regular.triangles + regular.hexagons,
+        "interleaved": regular.interleaved,
         "loose": int(weave.ribbons.loose.sum()),
         "broken": violations(weave.ribbons, turns.over),
         "stages": weave.design.seconds,
@@ -154,7 +162,7 @@ FEW = ("nefertiti", "eight", "head", "bunny", "torus", "cone")
 
 HEAD = (
     "| surface | faces given | woven | parts | bare | genus | loops | ribbons | crossings | median angle | "
-    "60 ± 20 | alternation | at most | loose | valid | s |"
+    "60 ± 20 | alternation | at most | piled | order | bare area | spread | 3- and 6-gons | interleaved | loose | valid | s |"
 )
 
 
@@ -163,10 +171,12 @@ def line(row: dict) -> str:
     given, parts = [row["name"], f"{row['given']:,}"], str(row["components"])
     shape = [str(row[key]) for key in ("genus", "loops")]
     if "faces" not in row:
-        cells = [*given, "", parts, "", *shape, *[""] * 7, "no", f"{row['seconds']:.0f}"]
+        cells = [*given, "", parts, "", *shape, *[""] * 13, "no", f"{row['seconds']:.0f}"]
         return "| " + " | ".join(cells) + " |"
     made = [f"{row['ribbons']:,}", f"{row['crossings']:,}", f"{row['median_deg']:.1f}°"]
     made += [f"{row[key]:.1%}" for key in ("within_20", "alternation", "bound")]
+    made += [f"{row['piled']:.1%}", f"{row['order']:.2f}", f"{row['bare_area']:.2%}", f"{row['spread']:.2f}"]
+    made += [f"{row['cells']:.0%}", f"{row['interleaved']:.1%}"]
     made += [str(row["loose"]), "no" if row["broken"] else "yes", f"{row['seconds']:.0f}"]
     return "| " + " | ".join([*given, f"{row['faces']:,}", parts, str(row["bare"]), *shape, *made]) + " |"
 
@@ -178,7 +188,7 @@ def table(names: list[str] | None = None) -> list[dict]:
     if unknown:
         raise SystemExit(f"no such surface here: {', '.join(sorted(unknown))}")
     print("\nOne click: scans out of packages, data sets and built surfaces, woven with no parameter.\n")
-    lines = [HEAD, "|---|" + "---:|" * 13 + ":---:|---:|"]
+    lines = [HEAD, "|---|" + "---:|" * 19 + ":---:|---:|"]
     print("\n".join(lines), flush=True)
     rows = []
     for name in names or everything:

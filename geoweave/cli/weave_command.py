@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from functools import wraps
@@ -23,7 +24,7 @@ from geoweave.cli.options import (
 
 if TYPE_CHECKING:
     from geoweave.pipeline import MeshSource, WeaveRequest, WovenFiles
-    from geoweave.weave import Inspection
+    from geoweave.weave import Inspection, Regularity
 
 OPTIONS = (
     click.option(
@@ -150,6 +151,7 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
         ("smallest angle", f"{angle['smallest']:.1f} degrees"),
         ("alternation", _alternation(result["alternation"])),
+        *_regularity(report.regularity, result["symmetry"]),
         ("loose ends", text_of(result["loose_ends"])),
     ]
     rows += _rest(result["relax"], unit)
@@ -167,6 +169,27 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
         ("seconds", seconds_text(made.seconds)),
         ("written to", ", ".join(result["files"])),
     ]
+    return rows
+
+
+def _regularity(found: Regularity, symmetry: int) -> list[tuple[str, str]]:
+    """How near the weave is to a regular one, in which no three ribbons meet near one point."""
+    said = f"{found.piled:.1%} of the crossings have another within 0.3 spacings"
+    if found.phase_order is not None:
+        said += f"; order of the phase {found.phase_order:.2f}"
+    cells = f"{found.triangles:.0%} triangles, {found.hexagons:.0%} hexagons"
+    if symmetry == 6:
+        cells += f"; {found.interleaved:.1%} of the triangles interleave"
+    rows = [
+        ("piled", said),
+        ("cells", cells),
+        ("bare", f"{found.bare:.2%} of the area is farther than a spacing from every ribbon"),
+        ("evenness", f"spacing varies by {math.expm1(found.spacing_spread):.0%} (one standard deviation)"),
+    ]
+    if found.few_crossings:
+        rows.append(("short", f"{found.few_crossings} ribbons have fewer than four crossings"))
+    if found.parts > 1:
+        rows.append(("parts", f"the ribbons make {found.parts} parts that do not hang together"))
     return rows
 
 

@@ -93,6 +93,7 @@ class WovenFiles:
             "width": weave.width * weave.placement.scale,
             "thickness": weave.thickness * weave.placement.scale,
             "suggested_width": self.inspection.suggested_width,
+            "regularity": self.inspection.regularity.document(),
             "places": self.inspection.counts,
             "relax": None if self.relaxed is None else self.relaxed.metrics(),
             "strips_of": self.strips_of,

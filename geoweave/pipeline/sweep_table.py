@@ -62,6 +62,8 @@ COLUMNS: dict[str, Callable[[Mapping[str, Any]], Any]] = {
     "5 % angle": lambda r: f"{r['crossing_angle_deg']['p05']:.1f}",
     "alternation": lambda r: f"{r['alternation']['fraction']:.4f}",
     "at most": lambda r: f"{r['alternation']['optimal_fraction_bound']:.4f}",
+    "piled": lambda r: f"{r['regularity']['piled']:.4f}",
+    "bare": lambda r: f"{r['regularity']['bare']:.4f}",
     "loose ends": lambda r: r["loose_ends"],
     "broken rules": lambda r: r["violations"],
     "farthest at rest": lambda r: "" if r["relax"] is None else f"{r['relax']['hausdorff_held']:.4f}",

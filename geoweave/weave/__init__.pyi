@@ -14,6 +14,7 @@ from .design import (
 )
 from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged
+from .regularity import Regularity as Regularity
 from .ribbons import Ribbons as Ribbons
 from .validity import violations as violations
 from .weave import (

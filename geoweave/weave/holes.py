@@ -8,12 +8,13 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.compiled import compiled
+from geoweave.curves import Curves
 from geoweave.surface import BoxTree, nearest, segment_tree
 from geoweave.weave.places import Place, places
 from geoweave.weave.ribbon_ends import outermost
 from geoweave.weave.weave import Weave
 
-__all__ = ["bare_components", "gaps", "hanging_ends"]
+__all__ = ["bare_components", "gaps", "hanging_ends", "nearest_curves"]
 
 
 def hanging_ends(weave: Weave) -> list[Place]:
@@ -33,13 +34,10 @@ def gaps(weave: Weave, limit: float) -> list[Place]:
     mesh, curves = weave.mesh, weave.ribbons.curves
     points = np.concatenate([mesh.vertices, mesh.barycenters])
     normals = np.concatenate([mesh.vertex_normals, mesh.face_normals])
-    running = np.flatnonzero(curves.segment_lengths > 0)
-    ends = np.stack([curves.points[running], curves.points[curves.following[running]]], axis=1)
-    tree = segment_tree(ends)._replace(normals=np.ascontiguousarray(curves.normals[running]))
     covered = np.isin(mesh.face_components, mesh.face_components[curves.faces])
     asked = np.concatenate([covered[_a_face(mesh.faces, mesh.n_vertices)], covered])
     distance = np.zeros(len(points))
-    distance[asked], piece = _distances(tree, points[asked], normals[asked])
+    distance[asked], owner = nearest_curves(curves, points[asked], normals[asked])
     far = distance > limit * weave.ribbons.spacing
     if not far.any():
         return []
@@ -52,11 +50,22 @@ def gaps(weave: Weave, limit: float) -> list[Place]:
     inside = np.flatnonzero(far)
     order = np.lexsort((inside, -distance[inside], label))
     middle = inside[order[np.unique(label[order], return_index=True)[1]]]
-    pieces = np.full(len(points), -1)
-    pieces[asked] = piece
-    owner = curves.curve_of_point[running[pieces[middle]]].tolist()
+    ribbon = np.full(len(points), -1)
+    ribbon[asked] = owner
     values = distance[middle] * weave.placement.scale
-    return places(weave, "gap", points[middle], [(c,) for c in owner], values, False)
+    return places(weave, "gap", points[middle], [(c,) for c in ribbon[middle].tolist()], values, False)
+
+
+def nearest_curves(curves: Curves, points: Vectors, normals: Vectors) -> tuple[Scalars, Indices]:
+    """Distance from points to the nearest curve on their side of the surface, and that curve.
+
+    The distance is a straight one. Where no curve lies on that side, it is the nearest of all.
+    """
+    running = np.flatnonzero(curves.segment_lengths > 0)
+    ends = np.stack([curves.points[running], curves.points[curves.following[running]]], axis=1)
+    tree = segment_tree(ends)._replace(normals=np.ascontiguousarray(curves.normals[running]))
+    distance, piece = _distances(tree, np.ascontiguousarray(points), np.ascontiguousarray(normals))
+    return distance, curves.curve_of_point[running[piece]]
 
 
 def _a_face(faces: Indices, count: int) -> Indices:

@@ -15,6 +15,7 @@ from geoweave.errors import FieldError
 from geoweave.weave.as_cut import AsCut
 from geoweave.weave.holes import bare_components, gaps, hanging_ends
 from geoweave.weave.places import KINDS, Place
+from geoweave.weave.regularity import Regularity
 from geoweave.weave.tight_spots import alongside, crowded, knots, near_parallel
 from geoweave.weave.validity import violations
 from geoweave.weave.weave import Weave
@@ -76,6 +77,7 @@ class Inspection:
         the weave; nothing where no ribbon has two crossings
     widths : (share, width) up to which width a share of the neighbouring crossings fits, in that unit
     share_that_fits : of the neighbouring crossings at the width of the weave, 1 where there are none
+    regularity : how regular the weave is
     places : those that will not weave, by kind, the worst first
     violations : rules of a valid weave that it breaks (`geoweave.weave.validity`), nothing for a valid one
     """
@@ -85,6 +87,7 @@ class Inspection:
     suggested_width: float | None
     widths: tuple[tuple[float, float], ...]
     share_that_fits: float
+    regularity: Regularity
     places: tuple[Place, ...]
     violations: tuple[str, ...]
 
@@ -113,6 +116,7 @@ class Inspection:
             "widths_that_fit": [{"share": share, "width": width} for share, width in self.widths],
             "crossing_angle_deg": metrics["crossing_angle_deg"],
             "alternation": metrics["alternation"],
+            "regularity": self.regularity.document(),
             "limits": {
                 "angle_deg": self.limits.angle,
                 "gap": self.limits.gap * spacing,
@@ -156,4 +160,6 @@ def inspected(weave: Weave, limits: Limits | None = None) -> Inspection:
         *bare_components(weave),
     ]
     broken = tuple(violations(weave.ribbons, weave.interlacing.over))
-    return Inspection(weave, asked, suggested, tuple(widths), fits, tuple(found), broken)
+    return Inspection(
+        weave, asked, suggested, tuple(widths), fits, Regularity.of(weave), tuple(found), broken
+    )

@@ -21,7 +21,7 @@ def extended(curves: Curves, reach: float) -> tuple[Curves, Scalars]:
     the longer curves, and (n, 2) arc lengths at which each given curve starts and ends on its longer one
     """
     mesh = curves.mesh
-    goes_on = ~_on_boundary(curves) & ~curves.closed[:, None]
+    goes_on = ~on_boundary(curves) & ~curves.closed[:, None]
     first, last = curves.offsets[:-1], curves.offsets[1:] - 1
     tips = [first[goes_on[:, 0]], last[goes_on[:, 1]]]
     # A segment belongs to the point it starts from, so the last one to the last point but one.
@@ -96,7 +96,7 @@ def trimmed(longer: Curves, spans: Scalars, tail: float, shallowest: float) -> t
     order = order[firm[order]]
     owner, at, holds = owner[order], at[order], holds[order]
     bounds = np.searchsorted(owner, np.arange(len(longer) + 1))
-    at_rim = _on_boundary(longer)
+    at_rim = on_boundary(longer)
     start, end = np.zeros(len(longer)), longer.lengths.copy()
     crossed = longer.closed & (np.diff(bounds) > 0)
     for c in np.flatnonzero(~longer.closed):
@@ -138,10 +138,10 @@ def loose_ends(curves: Curves, met: Crossings, tail: float) -> Flags:
     first, last = outermost(met, len(curves))
     away = np.stack([first, curves.lengths - last], axis=1)
     beyond = away > tail + ROUNDING * curves.mesh.mean_edge
-    return np.asarray(beyond & ~_on_boundary(curves) & ~curves.closed[:, None])
+    return np.asarray(beyond & ~on_boundary(curves) & ~curves.closed[:, None])
 
 
-def _on_boundary(curves: Curves) -> Flags:
+def on_boundary(curves: Curves) -> Flags:
     """(n, 2) whether start and end of each curve lie on the boundary of the surface."""
     mesh = curves.mesh
     ends = np.stack([curves.offsets[:-1], curves.offsets[1:] - 1], axis=1)
