@@ -162,7 +162,8 @@ FEW = ("nefertiti", "eight", "head", "bunny", "torus", "cone")
 
 HEAD = (
     "| surface | faces given | woven | parts | bare | genus | loops | ribbons | crossings | median angle | "
-    "60 ± 20 | alternation | at most | piled | order | bare area | spread | 3- and 6-gons | interleaved | loose | valid | s |"
+    "60 ± 20 | alternation | at most | piled | order | bare area | spread | 3- and 6-gons "
+    "| interleaved | loose | valid | s |"
 )
 
 
