@@ -38,6 +38,8 @@ from .fields import (
     geodesic_field as geodesic_field,
     index_sum as index_sum,
     integrated_curl as integrated_curl,
+    merged_pairs as merged_pairs,
+    prescribed_rosy as prescribed_rosy,
     random_field as random_field,
     sharpening_schedule as sharpening_schedule,
     signed_curl as signed_curl,

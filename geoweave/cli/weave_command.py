@@ -42,6 +42,17 @@ OPTIONS = (
         "--scale", type=Positive(), help="Factor on the number of ribbons (1), in place of --ribbons."
     ),
     click.option(
+        "--singularities",
+        metavar="FILE",
+        help="Where the families of ribbons branch: lines x y z index, the index in N-ths (sixths) of a turn.",
+    ),
+    click.option(
+        "--merge",
+        type=click.FloatRange(min=0),
+        default=0.0,
+        help="Spacings within which two branch points of opposite index are merged; 0 for none (0).",
+    ),
+    click.option(
         "--size", type=Positive(), help="Longest side of the bounding box in mm; results are then in mm."
     ),
     click.option(
@@ -73,6 +84,8 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
         symmetry: int,
         ribbons: int | None,
         scale: float | None,
+        singularities: str | None,
+        merge: float,
         size: float | None,
         width: float | None,
         thickness: float | None,
@@ -84,6 +97,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
         from geoweave.errors import FieldError
         from geoweave.pipeline import WeaveRequest, formats_of
+        from geoweave.weave import read_singularities
 
         names = tuple(name.strip().lower() for name in formats.split(","))
         try:
@@ -95,6 +109,8 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             symmetry=symmetry,
             ribbons=ribbons,
             scale=scale,
+            singularities=None if singularities is None else read_singularities(singularities),
+            merge=merge,
             size=size,
             width=width,
             thickness=thickness,
@@ -146,6 +162,7 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
     rows += [("repairs", text) for text in made.prepared.report.sentences()]
     rows += [
         ("branch points", text_of(result["branch_points"])),
+        *_prescribed(result.get("prescribed_singularities"), result["symmetry"]),
         *_sizes(result, report, unit),
         ("crossings", text_of(result["crossings"])),
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
@@ -191,6 +208,18 @@ def _regularity(found: Regularity, symmetry: int) -> list[tuple[str, str]]:
     if found.parts > 1:
         rows.append(("parts", f"the ribbons make {found.parts} parts that do not hang together"))
     return rows
+
+
+def _prescribed(found: dict[str, Any] | None, symmetry: int) -> list[tuple[str, str]]:
+    """Whether the finished field has the singularities that were prescribed; if not, where it differs first."""
+    if found is None:
+        return []
+    if found["kept"]:
+        return [("  prescribed", "all kept by the finished field, and no other")]
+    places = found["displaced"]
+    first, where = places[0], ", ".join(f"{x:.4g}" for x in places[0]["point"])
+    other = f"index {first['found']}/{symmetry} in place of {first['index']}/{symmetry}"
+    return [("  prescribed", f"the finished field differs at {len(places)} points, first at ({where}): {other}")]
 
 
 def _strips(strips: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:

@@ -16,6 +16,7 @@ from .geodesic import (
     geodesic_field as geodesic_field,
     sharpening_schedule as sharpening_schedule,
 )
+from .index_pairs import Merged as Merged, Pair as Pair, merged_pairs as merged_pairs, moved as moved
 from .operators import (
     ClosedFields as ClosedFields,
     as_complex as as_complex,
@@ -43,4 +44,9 @@ from .singularities import (
     rotation_across as rotation_across,
     singular_vertices as singular_vertices,
     vertex_indices as vertex_indices,
+    windings as windings,
+)
+from .trivial_connection import (
+    ConnectedRoSy as ConnectedRoSy,
+    prescribed_rosy as prescribed_rosy,
 )

@@ -159,7 +159,7 @@ def _designed(
     prepared: Prepared, seed: int, request: WeaveRequest, seconds: dict[str, float], say: Say
 ) -> Weave:
     """Design a weave on a surface."""
-    from geoweave.weave import weave_pattern
+    from geoweave.weave import Steering, weave_pattern
 
     weave = weave_pattern(
         prepared.mesh,
@@ -167,6 +167,7 @@ def _designed(
         scale=request.scale,
         ribbons=request.ribbons,
         seed=seed,
+        steering=Steering(request.singularities, request.merge),
         callback=lambda stage: say(f"weaving: {stage}"),
     )
     seconds |= weave.design.seconds

@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from geoweave.errors import FieldError
 from geoweave.pipeline.weave_folder import check_formats
+
+if TYPE_CHECKING:
+    from geoweave.weave import Singularity
 
 __all__ = ["BOUNDS", "WeaveRequest", "formats_of"]
 
@@ -49,6 +53,10 @@ class WeaveRequest:
     """What to write. None: json; with a size also the guide, if the weave allows one."""
     relax: bool = True
     """Whether the weave is relaxed to the shape that it takes (Appendix E)."""
+    singularities: tuple[Singularity, ...] | None = None
+    """All singularities of the weave, as `geoweave.weave.read_singularities` reads them; None leaves them free."""
+    merge: float = 0.0
+    """Pairs of singularities of opposite index no farther apart than so many spacings are merged."""
 
     def __post_init__(self) -> None:
         """Refuse what contradicts itself."""
@@ -62,6 +70,8 @@ class WeaveRequest:
                 raise FieldError(f"{name} is {value}; give a positive number")
             if value > most:
                 raise FieldError(f"{name} is {value:g}; give at most {most:g}")
+        if not 0 <= self.merge <= BOUNDS["scale"]:
+            raise FieldError(f"merge is {self.merge:g}; give a number of spacings from 0 to {BOUNDS['scale']:g}")
         if self.width is not None and self.thickness is not None and self.thickness > self.width:
             raise FieldError(
                 f"a ribbon {self.width:g} wide cannot be {self.thickness:g} thick; make it thinner than wide"

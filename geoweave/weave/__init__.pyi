@@ -16,6 +16,11 @@ from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged
 from .regularity import Regularity as Regularity
 from .ribbons import Ribbons as Ribbons
+from .steering import (
+    Singularity as Singularity,
+    Steering as Steering,
+    read_singularities as read_singularities,
+)
 from .validity import violations as violations
 from .weave import (
     WEAVE_FORMAT as WEAVE_FORMAT,

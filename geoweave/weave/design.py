@@ -11,7 +11,7 @@ import numpy as np
 
 from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.errors import FieldError
-from geoweave.fields import INTEGRABLE_END, FaceField, geodesic_field, sharpening_schedule, smoothest_rosy
+from geoweave.fields import INTEGRABLE_END, FaceField, geodesic_field, sharpening_schedule
 from geoweave.foliation import (
     LEAST_FIRST,
     Foliation,
@@ -26,8 +26,10 @@ from geoweave.sparse import Ordering
 from geoweave.surface import Similarity, TriMesh
 from geoweave.weave import interlacing
 from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
+from geoweave.weave.kept_singularities import Displaced, displaced
 from geoweave.weave.ribbon_count import TRIES, nearest_scale
 from geoweave.weave.ribbons import Cutting, Ribbons, ribbons
+from geoweave.weave.steering import Steering, steered_rosy, steering_for
 from geoweave.weave.weave import THINNESS, Design, Weave, default_width
 
 __all__ = ["MOST_CROSSINGS", "WeaveField", "weave_curves", "weave_field", "weave_pattern"]
@@ -90,6 +92,7 @@ class WeaveField:
     frequency : how fast theta will turn at scale 1, area mean, radians / length
     ordering : of the systems that `foliate` solves, the same at every scale
     seconds : wall-clock seconds of each stage
+    displaced : of prescribed singularities, see `Design`
     """
 
     mesh: TriMesh
@@ -103,6 +106,7 @@ class WeaveField:
     frequency: float
     ordering: Ordering
     seconds: dict[str, float]
+    displaced: tuple[Displaced, ...] | None = None
 
     @property
     def families(self) -> int:
@@ -140,6 +144,7 @@ class WeaveField:
             scale=made.scale,
             tried=tried,
             seconds=stages.seconds,
+            displaced=self.displaced,
         )
         weave = _interlaced(made.ribbons, made.families, design, self.placement, effort)
         stages.begin("")
@@ -205,6 +210,7 @@ def weave_field(
     symmetry: int = 6,
     geodesic: bool = True,
     seed: int = 0,
+    steering: Steering | None = None,
     callback: Callback | None = None,
 ) -> WeaveField:
     """Find the geodesic field that the weaves of a surface share (Section 5.1).
@@ -217,12 +223,13 @@ def weave_field(
     symmetry : N, 3 or more; 6 for a triaxial weave
     geodesic : if false, the smoothest RoSy is left as it is, which Fig. 23 compares with
     seed : of the RoSy and of the first eigenvector
+    steering : what is asked of the singularities of the RoSy
     callback : called with the name of each stage as it begins
 
     Raises
     ------
     FieldError
-        If the symmetry is less than 3.
+        If the symmetry is less than 3, or prescribed singularities do not fit the surface.
 
     Examples
     --------
@@ -236,7 +243,8 @@ def weave_field(
     stages = _Stages(callback, {})
     stages.begin("rosy")
     surface, placement = mesh.normalized()
-    rosy = smoothest_rosy(surface, degree=symmetry, seed=seed)
+    wanted = steering or Steering()
+    rosy = steered_rosy(surface, placement, symmetry, seed, wanted)
     stages.begin("cover")
     cover = branched_cover(rosy)
     quotient = cover.quotient
@@ -264,6 +272,7 @@ def weave_field(
         float(np.average(turning, weights=w.mesh.face_areas)),
         ordering,
         stages.seconds,
+        None if wanted.singularities is None else displaced(cover, field),
     )
 
 
@@ -274,6 +283,7 @@ def weave_pattern(
     scale: float | None = None,
     ribbons: int | None = None,
     seed: int = 0,
+    steering: Steering | None = None,
     cutting: Cutting | None = None,
     effort: int = interlacing.EFFORT,
     tries: int = TRIES,
@@ -294,6 +304,7 @@ def weave_pattern(
     ribbons : how many ribbons there should be, in place of a scale: the nearest that `nearest_scale` meets.
         The weave says its scale, and asking for that scale gives the same weave
     seed : of the RoSy and of the first eigenvector
+    steering : what is asked of the singularities
     cutting : the numbers of the clean-up of the ribbons
     effort : counted steps after which the proof ends that no choice of over and under alternates more often,
         see `geoweave.weave.best_labels`; the best found then stays
@@ -314,7 +325,8 @@ def weave_pattern(
     (True, [])
     """
     _check(scale, ribbons)
-    field = weave_field(mesh, symmetry=symmetry, seed=seed, callback=callback)
+    steering = steering_for(mesh, family_count(symmetry), scale, ribbons, steering)
+    field = weave_field(mesh, symmetry=symmetry, seed=seed, steering=steering, callback=callback)
     return field.pattern(
         scale=scale,
         ribbons=ribbons,

@@ -112,3 +112,72 @@ def test_the_verdict_comes_last_and_decides_the_status_if_strict(
     assert main.main(["weave", str(ball), "--faces", "500", "--scale", "0.3", "--no-relax", "--json",
                       "-o", str(tmp_path / "plain")]) == 0  # fmt: skip
     assert json.loads(capfd.readouterr().out)["verdict"] is None
+
+
+CORNERS = ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))
+
+
+def test_singularities_are_prescribed_by_a_file(tmp_path, capfd: pytest.CaptureFixture[str]) -> None:
+    ball = write(tmp_path, "ball", "off", *sphere(4))
+    file = tmp_path / "corners.txt"
+    file.write_text("".join(f"{x * 0.577} {y * 0.577} {z * 0.577} 3\n" for x, y, z in CORNERS))
+    command = ["weave", str(ball), "--faces", "given", "--no-relax", "-o", str(tmp_path / "woven")]
+    command += ["--singularities", str(file)]
+    assert main.main([*command, "--json"]) == 0
+    result = json.loads(capfd.readouterr().out)
+    assert result["branch_points"] == 4
+    assert result["prescribed_singularities"] == {"kept": True, "displaced": []}
+    report = json.loads((tmp_path / "woven" / "report.json").read_text())
+    assert report["prescribed_singularities"] == {"kept": True, "displaced": []}
+    assert main.main(command) == 0
+    assert "all kept by the finished field, and no other" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (None, "points.txt cannot be read: No such file or directory"),
+        ("0 0 1\n", "points.txt: line 1 has 3 numbers"),
+        ("0 0 1 3\n", "ball.off: the indices of the singularities sum to 3/6"),
+        ("0 0 1 3\n", "+9/6 is missing"),
+        ("0 0 9 12\n", "ball.off: the singularity at (0, 0, 9) is"),
+    ],
+)
+def test_a_bad_file_of_singularities_is_one_sentence_and_exit_2(
+    tmp_path, capfd: pytest.CaptureFixture[str], text: str | None, said: str
+) -> None:
+    ball = write(tmp_path, "ball", "off", *sphere(3))
+    file = tmp_path / "points.txt"
+    if text is not None:
+        file.write_text(text)
+    command = ["weave", str(ball), "--faces", "given", "--no-relax", "-o", str(tmp_path / "woven")]
+    assert main.main([*command, "--singularities", str(file)]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert said in err
+    assert err.count("\n") == 1
+    assert not (tmp_path / "woven").exists()
+
+
+def test_branch_points_are_merged_within_so_many_spacings(
+    tmp_path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    found = []
+    for merge in ("0", "1.5"):
+        command = ["weave", "spot", "--faces", "1500", "--no-relax", "-o", str(tmp_path), "--merge", merge]
+        assert main.main([*command, "--json"]) == 0
+        found.append(json.loads(capfd.readouterr().out)["branch_points"])
+    assert found[1] < found[0]
+    for bad in ("-1", "nan", "1e9", "x"):
+        command = ["weave", "spot", "--no-relax", "-o", str(tmp_path), "--merge", bad]
+        assert main.main(command) == 2
+        assert capfd.readouterr().err.count("\n") == 1
+
+
+def test_the_table_says_where_the_finished_field_differs() -> None:
+    places = [{"point": [0.0, 0.25, 1.0], "index": 5, "found": -1}, {"point": [0.0] * 3, "index": 0, "found": 6}]
+    ((_, text),) = weave_command._prescribed({"kept": False, "displaced": places}, 6)
+    assert text == (
+        "the finished field differs at 2 points, first at (0, 0.25, 1): index -1/6 in place of 5/6"
+    )
+    assert weave_command._prescribed(None, 6) == []

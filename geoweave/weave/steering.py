@@ -1,0 +1,231 @@
+"""What a user may say of the RoSy that a weave starts from: singularities, a direction, pairs to merge.
+
+Section 5.1 takes the singularities of the smoothest RoSy as they come. Here they may be prescribed, and pairs
+that a weave could not tell apart are merged (DEVIATIONS.md, merged-pairs).
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, replace
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+
+from geoweave.arrays import Indices
+from geoweave.errors import FieldError
+from geoweave.fields import RoSyField, merged_pairs, prescribed_rosy, smoothest_rosy
+from geoweave.surface import Similarity, TriMesh
+
+__all__ = [
+    "Singularity",
+    "Steering",
+    "expected_spacing",
+    "read_singularities",
+    "snapped",
+    "steered_rosy",
+    "steering_for",
+]
+
+PER_EDGE = 1.8
+"""Spacing at scale 1 in `TriMesh.triangle_size`, before there is a field that says it."""
+
+LENGTH = 0.7
+"""Mean length of a ribbon in roots of the area of the surface, before there are ribbons."""
+
+FARTHEST = 0.1
+"""So many bounding radii may a prescribed singularity be from the nearest vertex, or two sides of a triangle."""
+
+Point: TypeAlias = tuple[float, float, float]
+
+
+class Singularity(NamedTuple):
+    """A singularity that is prescribed."""
+
+    position: Point
+    """In the coordinates of the mesh file."""
+    numerator: int
+    """Its index, in N-ths of a turn for an N-RoSy: in sixths for a triaxial weave."""
+
+
+@dataclass(frozen=True)
+class Steering:
+    """What is asked of the RoSy that a weave starts from.
+
+    Attributes
+    ----------
+    singularities : all of them; None for those of the smoothest RoSy
+    merge : pairs of opposite index no farther apart than so many spacings are merged; 0 for none. What is
+        prescribed is never merged
+    spacing : between ribbons of the weave, in bounding radii; None for what is expected at scale 1
+
+    Raises
+    ------
+    FieldError
+        If a number is out of range.
+
+    Examples
+    --------
+    >>> from geoweave.weave import Steering
+    >>> Steering(merge=-1.0)
+    Traceback (most recent call last):
+    geoweave.errors.FieldError: pairs are merged within 0 spacings or more, not -1
+    """
+
+    singularities: tuple[Singularity, ...] | None = None
+    merge: float = 0.0
+    spacing: float | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.merge < math.inf:
+            raise FieldError(f"pairs are merged within 0 spacings or more, not {self.merge:g}")
+
+
+def read_singularities(path: str | os.PathLike[str]) -> tuple[Singularity, ...]:
+    """Read prescribed singularities from a file of text.
+
+    One line each: three coordinates and the index, a whole number of N-ths of a turn, separated by blanks or
+    commas. Empty lines, what follows a ``#``, and a first line of names (``x,y,z,index``) are passed over.
+
+    Raises
+    ------
+    FieldError
+        If the file cannot be read, or a line is none; the text names the file and the line.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from geoweave.weave import read_singularities
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(f"{folder}/poles.csv").write_text("x,y,z,index\\n0,0,1,6\\n0,0,-1,6\\n")
+    ...     [each.numerator for each in read_singularities(f"{folder}/poles.csv")]
+    [6, 6]
+    """
+    name = os.fspath(path)
+    found: list[Singularity] = []
+    for number, words in lines_of(name):
+        place = f"{name}: line {number}"
+        if len(words) != 4:
+            raise FieldError(f"{place} has {len(words)} numbers, not the four of a singularity: x y z index")
+        if not found and all(word.isalpha() for word in words):
+            continue
+        point, index = numbers_of(words, place), words[3]
+        if point[3] != round(point[3]):
+            raise FieldError(f"{place}: the index is {index}; give a whole number of N-ths (sixths) of a turn")
+        found.append(Singularity((point[0], point[1], point[2]), round(point[3])))
+    if not found:
+        raise FieldError(f"{name} holds no singularity; give a line x y z index for each")
+    return tuple(found)
+
+
+def lines_of(name: str) -> list[tuple[int, list[str]]]:
+    """Number and words of each line of a file of text that is not empty, comments left out."""
+    try:
+        with open(name, encoding="utf-8-sig") as file:
+            lines = file.read().splitlines()
+    except OSError as error:
+        raise FieldError(f"{name} cannot be read: {error.strerror or error}") from error
+    except UnicodeDecodeError as error:
+        raise FieldError(f"{name} is no file of text; give one line of numbers for each point") from error
+    words = ((number, line.split("#")[0].replace(",", " ").split()) for number, line in enumerate(lines, 1))
+    return [(number, each) for number, each in words if each]
+
+
+def numbers_of(words: list[str], place: str) -> list[float]:
+    """The words of a line as finite numbers."""
+    found = []
+    for word in words:
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise FieldError(f"{place}: '{word}' is not a finite number")
+        found.append(value)
+    return found
+
+
+def snapped(mesh: TriMesh, placement: Similarity, singularities: tuple[Singularity, ...]) -> Indices:
+    """(V,) prescribed numerators at the interior vertices nearest to their positions.
+
+    Parameters
+    ----------
+    mesh : the surface, where a placement has put it
+    placement : takes the coordinates of the mesh file there
+
+    Raises
+    ------
+    FieldError
+        If a position is far from the surface, or two have the same nearest vertex.
+    """
+    inside = np.flatnonzero(~mesh.boundary_vertices)
+    if not len(inside):
+        raise FieldError("the surface has no vertex inside that could be singular; refine it (--faces N)")
+    reach = max(FARTHEST * mesh.bounding_radius, 2.0 * mesh.triangle_size)
+    numerators = np.zeros(mesh.n_vertices, dtype=np.int64)
+    owner: dict[int, Point] = {}
+    for position, numerator in singularities:
+        there = placement.apply(np.array([position]))[0]
+        distance = np.linalg.norm(mesh.vertices[inside] - there, axis=1)
+        vertex = int(inside[distance.argmin()])
+        said = "({:g}, {:g}, {:g})".format(*position)
+        if distance.min() > reach:
+            raise FieldError(
+                f"the singularity at {said} is {distance.min() * placement.scale:.3g} from the nearest "
+                "vertex of the surface; give positions in the coordinates of the mesh file"
+            )
+        if vertex in owner:
+            other = "({:g}, {:g}, {:g})".format(*owner[vertex])
+            raise FieldError(
+                f"the singularities at {other} and {said} have the same nearest vertex; sum them up in one line "
+                "or refine the mesh (--faces N)"
+            )
+        owner[vertex] = position
+        numerators[vertex] = numerator
+    return numerators
+
+
+def expected_spacing(mesh: TriMesh, families: int, scale: float | None, ribbons: int | None) -> float:
+    """Spacing of a weave before there is a field, in bounding radii.
+
+    From the size of the triangles for a scale, ``families A / length`` with a usual length for a number of
+    ribbons.
+    """
+    radius = mesh.bounding_radius
+    if ribbons is None:
+        return float(PER_EDGE * mesh.triangle_size / radius / (1.0 if scale is None else scale))
+    return float(families * np.sqrt(mesh.face_areas.sum()) / (LENGTH * ribbons) / radius)
+
+
+def steering_for(
+    mesh: TriMesh, families: int, scale: float | None, ribbons: int | None, steering: Steering | None
+) -> Steering:
+    """Return what is asked of a RoSy, with the spacing that is expected of the weave."""
+    steering = steering or Steering()
+    if not steering.merge or steering.spacing is not None:
+        return steering
+    return replace(steering, spacing=expected_spacing(mesh, families, scale, ribbons))
+
+
+def steered_rosy(
+    mesh: TriMesh, placement: Similarity, symmetry: int, seed: int, steering: Steering
+) -> RoSyField:
+    """Find the RoSy that a weave starts from: the smoothest one, with what is asked of it.
+
+    Parameters
+    ----------
+    mesh : the surface, at bounding radius 1
+    placement : how it got there
+    symmetry : N
+    seed : of the smoothest RoSy
+    steering : what is asked
+    """
+    rosy = smoothest_rosy(mesh, degree=symmetry, seed=seed)
+    if steering.singularities is not None:
+        return prescribed_rosy(mesh, symmetry, snapped(mesh, placement, steering.singularities), like=rosy)
+    if not steering.merge:
+        return rosy
+    spacing = expected_spacing(mesh, 1, None, None) if steering.spacing is None else steering.spacing
+    return merged_pairs(rosy, steering.merge * spacing).rosy

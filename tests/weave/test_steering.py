@@ -1,0 +1,123 @@
+"""Files of singularities are read or refused by line, positions go to vertices, and the weave has them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from geoweave.errors import FieldError
+from geoweave.models import shapes
+from geoweave.weave.design import weave_field, weave_pattern
+from geoweave.weave.steering import (
+    Singularity,
+    Steering,
+    expected_spacing,
+    read_singularities,
+    snapped,
+    steering_for,
+)
+
+TETRAHEDRON = tuple(
+    Singularity((x / 3**0.5, y / 3**0.5, z / 3**0.5), 3)
+    for x, y, z in ((1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1))
+)
+
+
+def test_a_file_is_read_with_blanks_commas_comments_and_names(tmp_path):
+    file = tmp_path / "points.csv"
+    file.write_text("\ufeffx,y,z,index\n# the poles\n0, 0, 1, 6\n\n0\t0 -1e0 6.0  # south\n", encoding="utf-8")
+    assert read_singularities(file) == (Singularity((0, 0, 1), 6), Singularity((0, 0, -1), 6))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("0 0 1\n", "line 1 has 3 numbers, not the four of a singularity: x y z index"),
+        ("0 0 1 6\n\n0 0 one 6\n", "line 3: 'one' is not a finite number"),
+        ("0 0 nan 6\n", "line 1: 'nan' is not a finite number"),
+        ("0 0 1 0.5\n", "line 1: the index is 0.5; give a whole number"),
+        ("# nothing\n", "holds no singularity"),
+        ("0 0 1 6\nx y z index\n", "line 2: 'x' is not a finite number"),
+    ],
+)
+def test_a_bad_file_is_refused_with_its_name_and_line(tmp_path, text, said):
+    file = tmp_path / "points.txt"
+    file.write_text(text)
+    with pytest.raises(FieldError, match="points.txt") as refusal:
+        read_singularities(file)
+    assert said in str(refusal.value)
+
+
+def test_what_is_no_file_of_text_is_refused(tmp_path):
+    with pytest.raises(FieldError, match=r"none.txt cannot be read: No such file"):
+        read_singularities(tmp_path / "none.txt")
+    (tmp_path / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0\x00\x10")
+    with pytest.raises(FieldError, match=r"photo.jpg is no file of text"):
+        read_singularities(tmp_path / "photo.jpg")
+
+
+def test_positions_go_to_the_nearest_vertex_inside():
+    disk, placement = shapes.disk(faces=400).normalized()
+    middle, rim = Singularity((0.01, 0, 0), 2), Singularity((0.99, 0, 0), -1)
+    numerators = snapped(disk, placement, (middle, rim))
+    at = np.flatnonzero(numerators)
+    assert sorted(numerators[at].tolist()) == [-1, 2]
+    assert not disk.boundary_vertices[at].any()
+    with pytest.raises(FieldError, match=r"at \(0, 0, 7\) is 7.* from the nearest vertex"):
+        snapped(disk, placement, (Singularity((0, 0, 7), 1),))
+    with pytest.raises(FieldError, match="have the same nearest vertex"):
+        snapped(disk, placement, (middle, Singularity((-0.01, 0, 0), 1)))
+
+
+def test_prescribed_branch_points_are_those_of_the_weave_wherever_the_surface_lies():
+    from geoweave.surface.mesh import TriMesh
+
+    ball = shapes.sphere(faces=1280)
+    far = TriMesh(5.0 * ball.vertices + [10.0, 0.0, -3.0], ball.faces)
+    there = tuple(
+        Singularity(tuple(5.0 * np.array(p) + [10.0, 0.0, -3.0]), index) for p, index in TETRAHEDRON
+    )
+    for mesh, asked in ((ball, TETRAHEDRON), (far, there)):
+        field = weave_field(mesh, steering=Steering(asked))
+        at = field.placement.undo(field.mesh.vertices[field.branch_points])
+        wanted = np.array([each.position for each in asked])
+        apart = np.linalg.norm(at[:, None] - wanted, axis=2)
+        assert apart.shape == (4, 4)
+        assert apart.min(axis=0).max() < 0.65 * mesh.mean_edge  # 0.58 is the middle of a triangle
+        assert field.cover.rosy.index_numerators[field.branch_points].tolist() == [3] * 4
+        # Algorithm 1 keeps them, and adds none.
+        assert field.displaced == ()
+
+
+def test_the_weave_says_whether_the_prescribed_singularities_were_kept():
+    ball = shapes.sphere(faces=1280)
+    kept = weave_pattern(ball, scale=0.5, steering=Steering(TETRAHEDRON)).metrics()
+    assert kept["prescribed_singularities"] == {"kept": True, "displaced": []}
+    assert "prescribed_singularities" not in weave_pattern(ball, scale=0.5).metrics()
+
+
+def test_merging_leaves_fewer_branch_points_and_the_same_sum():
+    mesh = shapes.genus_g(2, faces=1500)
+    plain, merged = weave_field(mesh), weave_field(mesh, steering=Steering(merge=4.0))
+    assert len(merged.branch_points) < len(plain.branch_points)
+    total = plain.cover.rosy.index_numerators.sum()
+    assert merged.cover.rosy.index_numerators.sum() == total == 6 * mesh.euler_characteristic
+    assert merged.displaced is None
+
+
+def test_the_spacing_that_is_expected_is_about_that_of_the_weave():
+    mesh = shapes.genus_g(2, faces=1500)
+    for asked in ({"scale": 0.7}, {"ribbons": 30}):
+        weave = weave_pattern(mesh, **asked, effort=1000)
+        expected = expected_spacing(mesh, 3, asked.get("scale"), asked.get("ribbons"))
+        # Two constants stand for all surfaces: within a half is what they can do.
+        assert 0.5 < expected / weave.ribbons.spacing < 2.0
+    steering = steering_for(mesh, 3, 0.5, None, Steering(merge=1.0))
+    assert steering.spacing == pytest.approx(2 * expected_spacing(mesh, 3, 1.0, None))
+    assert steering_for(mesh, 3, 0.5, None, None) == Steering()
+
+
+def test_numbers_out_of_range_are_refused():
+    for bad in (-1.0, np.inf, np.nan):
+        with pytest.raises(FieldError, match="0 spacings or more"):
+            Steering(merge=bad)
