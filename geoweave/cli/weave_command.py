@@ -44,7 +44,7 @@ OPTIONS = (
     click.option(
         "--singularities",
         metavar="FILE",
-        help="Where the families of ribbons branch: lines x y z index, the index in N-ths (sixths) of a turn.",
+        help="Where families of ribbons branch: lines x y z index, the index in N-ths (sixths) of a turn.",
     ),
     click.option(
         "--merge",
@@ -211,7 +211,7 @@ def _regularity(found: Regularity, symmetry: int) -> list[tuple[str, str]]:
 
 
 def _prescribed(found: dict[str, Any] | None, symmetry: int) -> list[tuple[str, str]]:
-    """Whether the finished field has the singularities that were prescribed; if not, where it differs first."""
+    """Whether the finished field has the prescribed singularities; if not, where it differs first."""
     if found is None:
         return []
     if found["kept"]:
@@ -219,7 +219,9 @@ def _prescribed(found: dict[str, Any] | None, symmetry: int) -> list[tuple[str, 
     places = found["displaced"]
     first, where = places[0], ", ".join(f"{x:.4g}" for x in places[0]["point"])
     other = f"index {first['found']}/{symmetry} in place of {first['index']}/{symmetry}"
-    return [("  prescribed", f"the finished field differs at {len(places)} points, first at ({where}): {other}")]
+    return [
+        ("  prescribed", f"the finished field differs at {len(places)} points, first at ({where}): {other}")
+    ]
 
 
 def _strips(strips: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:

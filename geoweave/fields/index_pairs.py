@@ -59,11 +59,11 @@ class EdgePaths:
         self._names = sparse.csr_array(names + names.T)
 
     def within(self, sources: Indices, distance: float) -> tuple[Scalars, Indices]:
-        """Distances (sources, V) up to a limit, infinite beyond it, and the vertex before each on the path."""
+        """Distances (sources, V) up to a limit, infinite beyond, and the vertex before each on its path."""
         far, before = csgraph.dijkstra(
             self._graph, directed=False, indices=sources, limit=distance, return_predecessors=True
         )
-        return far, before
+        return far, np.asarray(before, dtype=np.int64)
 
     def add_turn(self, jumps: Indices, before: Indices, start: int, end: int) -> None:
         """Add to whole turns (E_int,) one that takes an index of 1 / N from the start of a path to its end.

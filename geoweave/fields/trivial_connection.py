@@ -1,4 +1,4 @@
-"""N-RoSys whose singularities are given: trivial connections (Crane et al. 2010; the footnote of Section 4.1).
+"""N-RoSys whose singularities are given: trivial connections (Crane et al. 2010; footnote of Section 4.1).
 
 A connection is trivial if what it carries round any loop comes back as it was. One that turns by given
 multiples of a turn round the vertices is found with sums over a tree and Poisson problems on the dual graph.
@@ -26,10 +26,10 @@ from geoweave.surface import TriMesh
 TURN = 2.0 * np.pi
 
 FITS = 1e-6
-"""How far the numbers of two faces may be from the turn that is said to lead from one to the other, radians."""
+"""How far the number of a face may be from the neighbour's, turned as is said, radians."""
 
 SWEEPS = 20
-"""Passes over the loops of a surface in which the whole turns round them are chosen; two or three are usual."""
+"""Passes over the loops in which the whole turns round them are chosen; two or three are usual."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,9 @@ class ConnectedRoSy(RoSyField):
         turns = np.array(self.turns, dtype=np.float64)
         count = len(self.mesh.interior_edges)
         if turns.shape != (count,):
-            raise FieldError(f"a connected N-RoSy needs one turn per interior edge, ({count},), not {turns.shape}")
+            raise FieldError(
+                f"a connected N-RoSy needs one turn per interior edge, ({count},), not {turns.shape}"
+            )
         wrong = ~(np.abs(np.angle(np.exp(1j * (smallest_turns(self) - turns)))) < FITS)
         if wrong.any():
             edge = int(np.flatnonzero(wrong)[0])
@@ -75,7 +77,7 @@ class ConnectedRoSy(RoSyField):
 
     @cached_property
     def matching(self) -> Indices:
-        """(E_int,) shift sigma: vector k of face i goes to vector ``(k + sigma) mod N`` of face j, as turned."""
+        """(E_int,) shift sigma: vector k of face i is turned to vector ``(k + sigma) mod N`` of face j."""
         i, j = self.mesh.edge_faces[self.mesh.interior_edges].T
         first = self.vectors[:, 0]
         arrives = self.mesh.transport * first[i] * np.exp(1j * self.turns / self.degree)
@@ -109,9 +111,7 @@ class DualPotential:
     def __init__(self, mesh: TriMesh) -> None:
         i, j = mesh.edge_faces[mesh.interior_edges].T
         count = len(i)
-        self._free = np.delete(
-            np.arange(mesh.n_faces), np.unique(mesh.face_components, return_index=True)[1]
-        )
+        self._free = np.delete(np.arange(mesh.n_faces), np.unique(mesh.face_components, return_index=True)[1])
         self._steps = sparse.csr_array(
             (np.tile([-1.0, 1.0], count), (np.repeat(np.arange(count), 2), np.stack([i, j], axis=1).ravel())),
             shape=(count, mesh.n_faces),
@@ -212,9 +212,7 @@ def _trees(mesh: TriMesh) -> _Trees:
     parents, within, depth = _forest(mesh.n_vertices, ends[crossed], roots)
     parent_edges = np.where(within >= 0, crossed[within], -1)
     left[parent_edges[parent_edges >= 0]] = False
-    return _Trees(
-        parent, face_edge, face_depth, nodes, parents, parent_edges, depth, np.flatnonzero(left)
-    )
+    return _Trees(parent, face_edge, face_depth, nodes, parents, parent_edges, depth, np.flatnonzero(left))
 
 
 def _flow(mesh: TriMesh, trees: _Trees, wanted: Indices) -> Indices:
@@ -315,7 +313,7 @@ def prescribed_rosy(
 
     Its number turns from face to face by ``r``, the least sum of ``weight_ij r_ij^2`` for which every vertex
     has its index and what goes round a loop comes back as it was. Round loops of the surface whole turns are
-    free; they are chosen so that the sum is small, which is proven only where the surface has no more than one.
+    free; they are chosen so that the sum is small. That it is least is proven for one loop only.
 
     Parameters
     ----------
@@ -332,8 +330,8 @@ def prescribed_rosy(
     Raises
     ------
     FieldError
-        If the indices do not sum to the Euler characteristic on a closed component, one lies on a boundary, or
-        one is too large for the few triangles round its vertex.
+        If the indices do not sum to the Euler characteristic on a closed component, one lies on a boundary,
+        or one is too large for the few triangles round its vertex.
 
     See Also
     --------
@@ -370,10 +368,12 @@ def prescribed_rosy(
     i, j = mesh.edge_faces[mesh.interior_edges].T
     values = start.values * np.exp(-1j * phi)
     if like is not None:
-        mean = np.array([
-            np.sum((mesh.face_areas * like.values * values.conj())[mesh.face_components == c])
-            for c in range(mesh.n_components)
-        ])
+        mean = np.array(
+            [
+                np.sum((mesh.face_areas * like.values * values.conj())[mesh.face_components == c])
+                for c in range(mesh.n_components)
+            ]
+        )
         values = values * unit(mean)[mesh.face_components]
     return _holding(ConnectedRoSy(mesh, degree, values, turns - (phi[j] - phi[i])), numerators)
 
@@ -385,7 +385,7 @@ def _holding(rosy: ConnectedRoSy, numerators: Indices) -> ConnectedRoSy:
         worst = int(wrong[np.abs(numerators[wrong]).argmax()])
         raise FieldError(
             f"the triangles round vertex {worst} are too few for an index of "
-            f"{numerators[worst]}/{rosy.degree}, or for those near it; refine the mesh there or spread the index"
+            f"{numerators[worst]}/{rosy.degree}, or for others near it; refine the mesh there or spread it"
         )
     return rosy
 

@@ -54,7 +54,7 @@ class WeaveRequest:
     relax: bool = True
     """Whether the weave is relaxed to the shape that it takes (Appendix E)."""
     singularities: tuple[Singularity, ...] | None = None
-    """All singularities of the weave, as `geoweave.weave.read_singularities` reads them; None leaves them free."""
+    """All singularities, as `geoweave.weave.read_singularities` reads them; None leaves them free."""
     merge: float = 0.0
     """Pairs of singularities of opposite index no farther apart than so many spacings are merged."""
 
@@ -71,7 +71,9 @@ class WeaveRequest:
             if value > most:
                 raise FieldError(f"{name} is {value:g}; give at most {most:g}")
         if not 0 <= self.merge <= BOUNDS["scale"]:
-            raise FieldError(f"merge is {self.merge:g}; give a number of spacings from 0 to {BOUNDS['scale']:g}")
+            raise FieldError(
+                f"merge is {self.merge:g}; give a number of spacings from 0 to {BOUNDS['scale']:g}"
+            )
         if self.width is not None and self.thickness is not None and self.thickness > self.width:
             raise FieldError(
                 f"a ribbon {self.width:g} wide cannot be {self.thickness:g} thick; make it thinner than wide"

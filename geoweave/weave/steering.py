@@ -35,7 +35,7 @@ LENGTH = 0.7
 """Mean length of a ribbon in roots of the area of the surface, before there are ribbons."""
 
 FARTHEST = 0.1
-"""So many bounding radii may a prescribed singularity be from the nearest vertex, or two sides of a triangle."""
+"""Bounding radii that a prescribed singularity may be from the nearest vertex; or two sides of a triangle."""
 
 Point: TypeAlias = tuple[float, float, float]
 
@@ -113,7 +113,9 @@ def read_singularities(path: str | os.PathLike[str]) -> tuple[Singularity, ...]:
             continue
         point, index = numbers_of(words, place), words[3]
         if point[3] != round(point[3]):
-            raise FieldError(f"{place}: the index is {index}; give a whole number of N-ths (sixths) of a turn")
+            raise FieldError(
+                f"{place}: the index is {index}; give a whole number of N-ths (sixths) of a turn"
+            )
         found.append(Singularity((point[0], point[1], point[2]), round(point[3])))
     if not found:
         raise FieldError(f"{name} holds no singularity; give a line x y z index for each")
@@ -179,8 +181,8 @@ def snapped(mesh: TriMesh, placement: Similarity, singularities: tuple[Singulari
         if vertex in owner:
             other = "({:g}, {:g}, {:g})".format(*owner[vertex])
             raise FieldError(
-                f"the singularities at {other} and {said} have the same nearest vertex; sum them up in one line "
-                "or refine the mesh (--faces N)"
+                f"the singularities at {other} and {said} have the same nearest vertex; sum them up in one "
+                "line or refine the mesh (--faces N)"
             )
         owner[vertex] = position
         numerators[vertex] = numerator

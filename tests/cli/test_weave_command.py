@@ -175,7 +175,10 @@ def test_branch_points_are_merged_within_so_many_spacings(
 
 
 def test_the_table_says_where_the_finished_field_differs() -> None:
-    places = [{"point": [0.0, 0.25, 1.0], "index": 5, "found": -1}, {"point": [0.0] * 3, "index": 0, "found": 6}]
+    places = [
+        {"point": [0.0, 0.25, 1.0], "index": 5, "found": -1},
+        {"point": [0.0] * 3, "index": 0, "found": 6},
+    ]
     ((_, text),) = weave_command._prescribed({"kept": False, "displaced": places}, 6)
     assert text == (
         "the finished field differs at 2 points, first at (0, 0.25, 1): index -1/6 in place of 5/6"

@@ -54,7 +54,9 @@ def test_the_field_changes_near_the_pair_and_hardly_far_from_it():
     numerators[at] = 1, -1
     rosy = prescribed_rosy(flat, 6, numerators)
     merged = merged_pairs(rosy, 0.3).rosy
-    turn = np.abs(np.angle(merged.values * rosy.values.conj() * np.conj(np.mean(merged.values / rosy.values))))
+    turn = np.abs(
+        np.angle(merged.values * rosy.values.conj() * np.conj(np.mean(merged.values / rosy.values)))
+    )
     far = np.linalg.norm(flat.barycenters[:, :2], axis=1) > 0.7
     # A pair is a dipole: its angle falls as one over the distance, 2 pi 0.1 / (2 pi 0.7) = 0.14 at most.
     assert turn[far].max() < 0.25
@@ -66,7 +68,9 @@ def test_the_field_changes_near_the_pair_and_hardly_far_from_it():
 def test_distances_and_paths_are_those_along_edges():
     flat = shapes.square(faces=800)
     paths = EdgePaths(flat)
-    start, end = (int(np.linalg.norm(flat.vertices[:, :2] - p, axis=1).argmin()) for p in ([-0.5, 0], [0.5, 0.1]))
+    start, end = (
+        int(np.linalg.norm(flat.vertices[:, :2] - p, axis=1).argmin()) for p in ([-0.5, 0], [0.5, 0.1])
+    )
     far, before = paths.within(np.array([start]), np.inf)
     straight = np.linalg.norm(flat.vertices[start] - flat.vertices[end])
     assert straight <= far[0, end] < 1.3 * straight

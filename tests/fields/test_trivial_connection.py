@@ -63,7 +63,9 @@ def test_the_energy_is_that_of_a_minimum():
     rosy = prescribed_rosy(mesh, 6, scattered_indices(mesh, 6))
     weights, (i, j) = dual_weights(mesh), mesh.edge_faces[mesh.interior_edges].T
     # The gradient of the energy in the angle of each face.
-    slope = np.bincount(j, weights * rosy.turns, mesh.n_faces) - np.bincount(i, weights * rosy.turns, mesh.n_faces)
+    slope = np.bincount(j, weights * rosy.turns, mesh.n_faces) - np.bincount(
+        i, weights * rosy.turns, mesh.n_faces
+    )
     assert np.abs(slope).max() < 1e-8 * np.abs(weights * rosy.turns).max()
 
 
@@ -124,7 +126,7 @@ def test_components_are_prescribed_one_by_one():
     )
     numerators = np.zeros(two.n_vertices, dtype=np.int64)
     numerators[[3, 80, ball.n_vertices + 7, ball.n_vertices + 90]] = 4
-    with pytest.raises(FieldError, match="component 0.*[+]4/6 is missing"):
+    with pytest.raises(FieldError, match=r"component 0.*[+]4/6 is missing"):
         prescribed_rosy(two, 6, numerators)
     numerators[[40, ball.n_vertices + 40]] = 4
     assert (prescribed_rosy(two, 6, numerators).index_numerators == numerators).all()
@@ -142,7 +144,9 @@ def test_a_potential_explains_differences_and_leaves_what_is_none():
     assert np.allclose(found - found[0], function - function[0])
     noise = potential.rest(rng.normal(size=len(i)))
     weighted = potential.weights * noise
-    assert np.abs(np.bincount(j, weighted, mesh.n_faces) - np.bincount(i, weighted, mesh.n_faces)).max() < 1e-8
+    assert (
+        np.abs(np.bincount(j, weighted, mesh.n_faces) - np.bincount(i, weighted, mesh.n_faces)).max() < 1e-8
+    )
     assert np.allclose(face_laplacian(mesh) @ np.ones(mesh.n_faces), 0)
 
 

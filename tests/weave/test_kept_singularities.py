@@ -1,4 +1,4 @@
-"""What the finished field winds is counted on the cover: zero differences before Algorithm 1, and named after."""
+"""What a field winds is counted on the cover: as the RoSy before Algorithm 1, and what differs after it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from geoweave.weave.kept_singularities import displaced
 
 
 @pytest.mark.parametrize("degree", [3, 4, 5, 6])
-@pytest.mark.parametrize("mesh", [shapes.sphere(faces=720), shapes.torus(faces=900), shapes.genus_g(2, faces=1500)])
+@pytest.mark.parametrize(
+    "mesh", [shapes.sphere(faces=720), shapes.torus(faces=900), shapes.genus_g(2, faces=1500)]
+)
 def test_the_lifted_rosy_has_the_singularities_of_the_rosy(mesh, degree):
     cover = branched_cover(smoothest_rosy(mesh, degree))
     assert displaced(cover, cover.quotient.field) == ()
