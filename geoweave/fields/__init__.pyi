@@ -1,4 +1,5 @@
 from .closed_projection import ClosedProjection as ClosedProjection, ordering_of as ordering_of
+from .connected_rosy import ConnectedRoSy as ConnectedRoSy
 from .face_field import (
     FaceField as FaceField,
     Handles as Handles,
@@ -46,7 +47,4 @@ from .singularities import (
     vertex_indices as vertex_indices,
     windings as windings,
 )
-from .trivial_connection import (
-    ConnectedRoSy as ConnectedRoSy,
-    prescribed_rosy as prescribed_rosy,
-)
+from .trivial_connection import prescribed_rosy as prescribed_rosy

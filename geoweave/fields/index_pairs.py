@@ -15,8 +15,8 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Indices, Scalars
 from geoweave.errors import FieldError
+from geoweave.fields.connected_rosy import rewound
 from geoweave.fields.rosy import RoSyField
-from geoweave.fields.trivial_connection import rewound
 from geoweave.surface import TriMesh
 
 

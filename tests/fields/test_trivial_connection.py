@@ -7,15 +7,10 @@ import pytest
 from surfaces import ALL, CLOSED, surface
 
 from geoweave.errors import FieldError
-from geoweave.fields.operators import dual_weights, face_laplacian
+from geoweave.fields.connected_rosy import smallest_turns
+from geoweave.fields.operators import dual_weights
 from geoweave.fields.rosy import RoSyField, smoothest_rosy
-from geoweave.fields.trivial_connection import (
-    ConnectedRoSy,
-    DualPotential,
-    prescribed_rosy,
-    rewound,
-    smallest_turns,
-)
+from geoweave.fields.trivial_connection import prescribed_rosy
 from geoweave.models import shapes
 
 
@@ -130,38 +125,3 @@ def test_components_are_prescribed_one_by_one():
         prescribed_rosy(two, 6, numerators)
     numerators[[40, ball.n_vertices + 40]] = 4
     assert (prescribed_rosy(two, 6, numerators).index_numerators == numerators).all()
-
-
-def test_a_potential_explains_differences_and_leaves_what_is_none():
-    mesh = surface("torus")
-    i, j = mesh.edge_faces[mesh.interior_edges].T
-    rng = np.random.default_rng(0)
-    function = rng.normal(size=mesh.n_faces)
-    potential = DualPotential(mesh)
-    steps = function[j] - function[i]
-    assert np.abs(potential.rest(steps)).max() < 1e-9
-    found = potential.of(steps)
-    assert np.allclose(found - found[0], function - function[0])
-    noise = potential.rest(rng.normal(size=len(i)))
-    weighted = potential.weights * noise
-    assert (
-        np.abs(np.bincount(j, weighted, mesh.n_faces) - np.bincount(i, weighted, mesh.n_faces)).max() < 1e-8
-    )
-    assert np.allclose(face_laplacian(mesh) @ np.ones(mesh.n_faces), 0)
-
-
-def test_whole_turns_that_cancel_change_nothing():
-    mesh = surface("torus")
-    rosy = smoothest_rosy(mesh, 6)
-    same = rewound(rosy, np.zeros(len(mesh.interior_edges), dtype=int))
-    assert np.allclose(same.values, rosy.values)
-    assert (same.matching == rosy.matching).all()
-
-
-def test_turns_that_do_not_fit_are_refused():
-    rosy = smoothest_rosy(surface("torus"), 6)
-    turns = smallest_turns(rosy)
-    with pytest.raises(FieldError, match="edge 5 does not lead"):
-        ConnectedRoSy(rosy.mesh, 6, rosy.values, turns + 0.1 * (np.arange(len(turns)) == 5))
-    with pytest.raises(FieldError, match="one turn per interior edge"):
-        ConnectedRoSy(rosy.mesh, 6, rosy.values, turns[1:])
