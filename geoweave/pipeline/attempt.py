@@ -16,7 +16,7 @@ from geoweave.pipeline.verdict import BUT, DO_NOT, Verdict, rebuilt_reasons, ver
 
 if TYPE_CHECKING:
     from geoweave.meshing import Prepared
-    from geoweave.rods import Relaxed, Step
+    from geoweave.rods import CurvedStep, Relaxed, Step
     from geoweave.weave import Inspection, Weave
 
 __all__ = ["Attempt", "attempted", "with_remedy"]
@@ -182,9 +182,16 @@ def _relaxed(weave: Weave, seconds: dict[str, float], say: Say) -> Relaxed:
     return rest
 
 
-def _telling(say: Say) -> Callable[[str, Step], None]:
-    """What tells the progress of sliding and relaxing."""
+def _telling(say: Say) -> Callable[[str, Step | CurvedStep], None]:
+    """What tells the progress of sliding, of curving strips and of relaxing."""
     doing = {"slide": "sliding", "relax": "relaxing"}
-    return lambda stage, step: say(
-        f"{doing[stage]}: step {step.number}, forces balance to {step.gradient:.1g}"
-    )
+
+    from geoweave.rods import CurvedStep
+
+    def told(stage: str, step: Step | CurvedStep) -> None:
+        if isinstance(step, CurvedStep):
+            say(f"curving strips: trial {step.number}, {step.mean:.2%} of the diagonal from the surface")
+        else:
+            say(f"{doing[stage]}: step {step.number}, forces balance to {step.gradient:.1g}")
+
+    return told

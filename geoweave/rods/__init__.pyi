@@ -1,4 +1,5 @@
 from .contact_order import Changes as Changes, order_changes as order_changes, positions as positions
+from .curved_weave import STRIPS as STRIPS, StripKind as StripKind, curved as curved
 from .departure import (
     Distances as Distances,
     fitted as fitted,
@@ -13,6 +14,12 @@ from .from_ribbons import (
     rods_of_file as rods_of_file,
     rods_of_ribbons as rods_of_ribbons,
 )
+from .optimal_strips import (
+    CurvedStep as CurvedStep,
+    CurvedStrips as CurvedStrips,
+    Fitting as Fitting,
+    optimal_strips as optimal_strips,
+)
 from .rod_file import RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
 from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods
 from .slide_and_relax import Springs as Springs, relax_rods as relax_rods, slide_rods as slide_rods
@@ -25,7 +32,7 @@ from .weave_at_rest import (
     relax as relax,
     relaxed_weave as relaxed_weave,
     slide as slide,
-    surface_of_weave as surface_of_weave,
     vertex_normals as vertex_normals,
 )
 from .weave_file import at_rest as at_rest, read_weave as read_weave, rods_of_document as rods_of_document
+from .woven_surface import surface_of_weave as surface_of_weave

@@ -19,6 +19,8 @@ from geoweave.arrays import Indices, Scalars, Vectors, cross, frozen
 from geoweave.rods.rods import Layout, Rods
 
 __all__ = [
+    "GEODESIC",
+    "JOINTS",
     "Table",
     "Term",
     "edgewise_bending",
@@ -34,8 +36,14 @@ __all__ = [
     "twisting",
 ]
 
+GEODESIC = "geodesic curvature"
+"""The name of the energy of edgewise bending."""
+
 STRETCHING = "stretching"
 """The name of the one elastic energy that belongs to segments; all others belong to joints."""
+
+JOINTS = ("normal curvature", GEODESIC, "twist")
+"""The names of those of joints. Each is inversely proportional to the rest length of its joint."""
 
 Table = NDArray[np.float64]
 """(n, r) residuals of n stencils, or (n, r, k) their derivatives by k unknowns."""
@@ -147,7 +155,7 @@ def edgewise_bending(layout: Layout, unknowns: Indices | None = None) -> Term:
     As `flatwise_bending`, with B = Y h w^3 / 12: (w / h)^2 times as stiff. The natural curvature k0 is that
     of the strip as it is cut (`Rods.natural`), zero for the paper's straight strips.
     """
-    return _bending("geodesic curvature", layout, unknowns, flatwise=False)
+    return _bending(GEODESIC, layout, unknowns, flatwise=False)
 
 
 def _bending(name: str, layout: Layout, unknowns: Indices | None, *, flatwise: bool) -> Term:

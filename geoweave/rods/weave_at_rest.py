@@ -16,15 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geoweave.arrays import Flags, Vectors
-from geoweave.errors import RodError
 from geoweave.files import replacing
+from geoweave.rods.curved_weave import StripKind, curved
 from geoweave.rods.departure import Departure, departure, held
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping
 from geoweave.rods.from_ribbons import ends_on, rods_of_ribbons
-from geoweave.rods.rods import Rods
+from geoweave.rods.optimal_strips import CurvedStep, CurvedStrips
+from geoweave.rods.rods import DERIVED, Rods
 from geoweave.rods.slide_and_relax import ROUNDS, Springs, relax_rods, slide_rods
 from geoweave.rods.weave_file import at_rest
-from geoweave.surface import TriMesh, closest_points, triangle_tree
+from geoweave.rods.woven_surface import surface_of_weave
+from geoweave.surface import TriMesh
 from geoweave.weave import Weave
 
 __all__ = [
@@ -36,7 +38,6 @@ __all__ = [
     "relax",
     "relaxed_weave",
     "slide",
-    "surface_of_weave",
     "vertex_normals",
 ]
 
@@ -57,6 +58,7 @@ class Relaxed:
     departure : how far `left` is from the surface and from `slid`, after the best rigid fit unless a boundary
         holds it
     seconds : wall-clock seconds of each stage
+    curving : how curved strips were chosen, if they were (`optimal_strips`)
 
     >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8))
     >>> rest.document()["format"], len(rest.metrics()["worst"]["point"])
@@ -69,10 +71,11 @@ class Relaxed:
     left: Equilibrium
     departure: Departure
     seconds: dict[str, float]
+    curving: CurvedStrips | None = None
 
     @property
     def converged(self) -> bool:
-        """Whether the forces balance after sliding and after relaxing."""
+        """Whether the forces balance after sliding and after relaxing; `curving` says it of the strips."""
         return self.slid.converged and self.left.converged
 
     def metrics(self) -> dict[str, Any]:
@@ -100,6 +103,7 @@ class Relaxed:
             },
             "steps": {"slide": len(self.slid.steps), "relax": len(self.left.steps)},
             "ending": self.left.ending,
+            **_curved_metrics(self),
         }
 
     def document(self) -> dict[str, Any]:
@@ -122,6 +126,20 @@ class Relaxed:
         here, there = rods.points - rods.points.mean(axis=0), self.departure.points
         u, _, v = np.linalg.svd(here.T @ (there - there.mean(axis=0)))
         return np.asarray(vertex_normals(rods) @ (u @ v))
+
+
+def _curved_metrics(found: Relaxed) -> dict[str, Any]:
+    """What the report says of strips that are cut curved; nothing of straight ones."""
+    rods = found.left.rods
+    if not rods.natural.any():
+        return {}
+    bent = np.abs(rods.natural) / rods.spans * rods.joint_widths
+    said: dict[str, Any] = {"kind": "designed", "sharpest": float(bent.max())}
+    if found.curving is not None:
+        history = [vars(step) for step in found.curving.steps]
+        said |= {"kind": "optimal", "converged": found.curving.converged, "ending": found.curving.ending}
+        said |= {"history": history}
+    return {"curved_strips": said}
 
 
 def vertex_normals(rods: Rods) -> Vectors:
@@ -162,6 +180,10 @@ class SlidWeave:
     slid : where they slid to
     fixed : (V,) vertices that a boundary holds, all False if it does not
     seconds : wall-clock seconds of sliding
+    cut : the strips, in the shape that the ribbons slid to: straight ones as long as the ribbons there,
+        unless `curved` chose others
+    curving : how they were chosen, if they were (`optimal_strips`)
+    curving_seconds : wall-clock seconds of that
 
     >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)))
     >>> slid.slid.energies["geodesic curvature"] < slid.slid.steps[0].energies["geodesic curvature"]
@@ -173,10 +195,14 @@ class SlidWeave:
     slid: Equilibrium
     fixed: Flags
     seconds: float
+    cut: Rods = DERIVED
+    curving: CurvedStrips | None = None
+    curving_seconds: float = 0.0
 
-
-AWAY = 0.05
-"""A surface is not that of a weave if ribbons are farther from it in the mean, at bounding radius 1."""
+    def __post_init__(self) -> None:
+        if self.cut is DERIVED:
+            rods = self.slid.rods
+            object.__setattr__(self, "cut", replace(rods, rest=rods.lengths))
 
 
 def elastic_rods(weave: Weave, *, width: float | None = None, thickness: float | None = None) -> ElasticWeave:
@@ -265,39 +291,6 @@ def slide(
     return SlidWeave(woven, rods, slid, fixed, time.perf_counter() - clock)
 
 
-def surface_of_weave(surface: TriMesh, weave: Weave, points: Vectors) -> TriMesh:
-    """Take the surface that was woven to the place and size of a weave's mesh.
-
-    The surface comes in the size in which the weave is written, or in the size in which it was woven:
-    `Weave.sized` scales a weave about the origin, and the surface is then scaled in the same way.
-
-    Parameters
-    ----------
-    surface : the surface that was woven
-    weave : the weave
-    points : (P, 3) points of its ribbons, in the place and size of the weave's mesh
-
-    Raises
-    ------
-    RodError
-        If the surface lies elsewhere than the ribbons.
-    """
-    extent = float(np.ptp(weave.mesh.vertices, axis=0).max()) * weave.placement.scale
-    sizes = (1.0, extent / float(np.ptp(surface.vertices, axis=0).max()))
-    found: list[tuple[float, TriMesh]] = []
-    for size in sizes:
-        placed = TriMesh(weave.placement.apply(size * surface.vertices), surface.faces)
-        nearest, _ = closest_points(triangle_tree(placed.vertices[placed.faces]), points)
-        found.append((float(np.linalg.norm(points - nearest, axis=1).mean()), placed))
-        if found[-1][0] <= AWAY:
-            return placed
-    away = min(away for away, _ in found)
-    raise RodError(
-        f"the surface is {away:.2g} bounding radii from the ribbons in the mean; "
-        "give the surface that was woven, or none"
-    )
-
-
 def relax(
     weave: SlidWeave,
     *,
@@ -308,7 +301,8 @@ def relax(
 ) -> Relaxed:
     """Find the shape in which a weave comes to rest when nothing holds it to its surface (Appendix E.2).
 
-    Strips are cut to their lengths on the surface, so nothing is stretched at the start. See `relax_rods`
+    Strips are cut to their lengths on the surface, so nothing is stretched at the start, unless `curved`
+    chose other ones. See `relax_rods`
     for what is minimised, and for rods that are no weave.
 
     Parameters
@@ -329,7 +323,7 @@ def relax(
     True
     """
     clock = time.perf_counter()
-    start = replace(weave.slid.rods, rest=weave.slid.rods.lengths)
+    start = weave.cut
     left = relax_rods(
         start, springs=springs, stepping=stepping, fixed=weave.fixed, gravity=gravity, callback=callback
     )
@@ -340,7 +334,9 @@ def relax(
         "relax": after - clock,
         "departure": time.perf_counter() - after,
     }
-    return Relaxed(weave.weave, weave.designed, weave.slid, left, away, seconds)
+    if weave.curving is not None:
+        seconds["curve"] = weave.curving_seconds
+    return Relaxed(weave.weave, weave.designed, weave.slid, left, away, seconds, weave.curving)
 
 
 def relaxed_weave(
@@ -351,11 +347,12 @@ def relaxed_weave(
     stepping: Stepping | None = None,
     fixed_boundary: bool = False,
     gravity: ArrayLike | None = None,
-    callback: Callable[[str, Step], None] | None = None,
+    strips: StripKind = "straight",
+    callback: Callable[[str, Step | CurvedStep], None] | None = None,
 ) -> Relaxed:
     """Slide the ribbons of a weave on its surface, then find the shape in which it comes to rest.
 
-    This is `elastic_rods`, `slide` and `relax` in one call.
+    This is `elastic_rods`, `slide`, `curved` and `relax` in one call.
 
     Parameters
     ----------
@@ -365,7 +362,8 @@ def relaxed_weave(
     stepping : numbers of each minimisation
     fixed_boundary : hold the ends of ribbons that lie on the boundary
     gravity : (3,) acceleration; it needs a fixed boundary to stand on
-    callback : called with "slide" or "relax" and each step
+    strips : how they are cut: "straight" as in the paper, "designed" or "optimal" (`curved`)
+    callback : called with "slide", "curve" or "relax" and each step
 
     Raises
     ------
@@ -377,7 +375,7 @@ def relaxed_weave(
     True
     """
 
-    def told(stage: str) -> Callable[[Step], None] | None:
+    def told(stage: str) -> Callable[[Step | CurvedStep], None] | None:
         return None if callback is None else lambda step: callback(stage, step)
 
     slid = slide(
@@ -388,4 +386,5 @@ def relaxed_weave(
         fixed_boundary=fixed_boundary,
         callback=told("slide"),
     )
-    return relax(slid, springs=springs, stepping=stepping, gravity=gravity, callback=told("relax"))
+    bent = curved(slid, strips, springs=springs, callback=told("curve"))
+    return relax(bent, springs=springs, stepping=stepping, gravity=gravity, callback=told("relax"))

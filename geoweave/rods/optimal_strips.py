@@ -1,0 +1,363 @@
+"""The inverse problem: cut strips so curved, and so long, that the weave at rest lies on its surface.
+
+Unknowns are curvatures and changes of length at knots along the strips (`Knots`). The mean squared distance
+of the shape at rest is lowered by Gauss-Newton steps in a trust region. Each linear problem is solved by
+conjugate gradients with the derivative of the rest shape (`RestSensitivity`): one factorisation a step, two
+solves an iteration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from geoweave.arrays import Flags, Scalars
+from geoweave.errors import FieldError, RodError
+from geoweave.rods import hessian
+from geoweave.rods.curvature_knots import STRAIN, Knots
+from geoweave.rods.distance_at_rest import DistanceAtRest, Miss
+from geoweave.rods.equilibrium import Equilibrium, minimized
+from geoweave.rods.rest_sensitivity import RestSensitivity
+from geoweave.rods.rods import Rods
+from geoweave.rods.slide_and_relax import Springs, relax_rods, relaxing_terms
+from geoweave.rods.steps import Stepping
+from geoweave.surface import TriMesh
+
+__all__ = ["CurvedStep", "CurvedStrips", "Fitting", "optimal_strips"]
+
+
+@dataclass(frozen=True)
+class Fitting:
+    """The numbers of the inverse problem.
+
+    Attributes
+    ----------
+    sharpest : largest curvature x width of a strip; at 2 its inner edge would shrink to a point
+    longest : largest change of a length, as a share of it
+    smooth : weight of the mean squared second difference of curvature x width between knots, against the mean
+        squared distance in diagonals
+    enough : the iteration has converged when a step is foreseen to lower the target by less than this share
+    most_steps : largest number of trials
+    most_inner : largest number of conjugate gradients for a step
+
+    Raises
+    ------
+    FieldError
+        If a number is not positive, or the edges of strips could cross.
+
+    >>> gw.rods.Fitting(sharpest=2.5)
+    Traceback (most recent call last):
+    geoweave.errors.FieldError: 'sharpest' is 2.5; from 2 on the edges of a strip cross
+    """
+
+    sharpest: float = 1.0
+    longest: float = 0.05
+    smooth: float = 1e-7
+    enough: float = 0.005
+    most_steps: int = 60
+    most_inner: int = 60
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (np.isfinite(value) and value > 0):
+                raise FieldError(f"'{name}' of curved strips must be a positive number, not {value}")
+        if self.sharpest >= 2:
+            raise FieldError(f"'sharpest' is {self.sharpest:g}; from 2 on the edges of a strip cross")
+
+
+@dataclass(frozen=True)
+class CurvedStep:
+    """One trial of the inverse problem.
+
+    Attributes
+    ----------
+    number : of the trial, 0 for the start
+    rms, mean : distance of the shape at rest from the surface, in diagonals
+    energy : of the shape at rest, force x length
+    sharpest : largest curvature x width of a strip
+    taken : whether the trial was nearer than the last one that was taken
+    """
+
+    number: int
+    rms: float
+    mean: float
+    energy: float
+    sharpest: float
+    taken: bool
+
+
+@dataclass(frozen=True, eq=False)
+class CurvedStrips:
+    """Strips whose curvatures and lengths were chosen.
+
+    Attributes
+    ----------
+    cut : the strips, in the shape that they had at the start
+    rest : their shape at rest, relaxed from there
+    steps : every trial
+    converged : whether no step promises more, and the shape of the last one is that of `rest`
+    ending : why the iteration ended, in words
+    """
+
+    cut: Rods
+    rest: Equilibrium
+    steps: tuple[CurvedStep, ...]
+    converged: bool
+    ending: str
+
+
+TRUST = 0.02
+"""First size of the trust region: root mean square change of curvature x width at the knots."""
+
+LEAST_TRUST = 1e-6
+"""Below this size the iteration ends."""
+
+POOR, GOOD = 0.25, 0.75
+"""Shares of the foreseen decrease below which the region shrinks, and above which it grows."""
+
+SHRINK, GROW = 0.3, 2.5
+"""By how much it does."""
+
+INNER = 0.05
+"""Conjugate gradients end when the residual is this share of the first."""
+
+EXACT = 1e-7
+"""Tolerance of the shapes at rest, as their derivatives are used."""
+
+SAME = 1.02
+"""A shape is the one that was followed if its distance is at most so many times as large."""
+
+LOOKS = 8
+"""Trials that are relaxed anew at the end, the last first, until one comes to rest where it was followed."""
+
+
+class _Inverse:
+    """What all trials share."""
+
+    def __init__(
+        self, start: Rods, design: Rods, surface: TriMesh, springs: Springs, still: Flags, numbers: Fitting
+    ) -> None:
+        self.numbers, self.springs, self.still = numbers, springs, still
+        self.held = np.concatenate([np.repeat(still, 3), still[start.layout.ends].all(axis=1)])
+        self.terms = relaxing_terms(start, springs)
+        self.pattern = hessian.analysed(start.size, self.terms, self.held)
+        self.goal = DistanceAtRest(surface, design, placed=bool(still.any()))
+        self.knots = Knots.of(start)
+        self.most = np.full(self.knots.number, numbers.sharpest)
+        self.most[self.knots.curved :] = numbers.longest / STRAIN
+        self.stepping = Stepping(tolerance=EXACT, most_steps=30)
+
+    def smooth(self, z: Scalars) -> Scalars:
+        """Derivative of the smoothness ``smooth / 2 mean (second difference of z)^2``."""
+        second = self.knots.second
+        return np.asarray(self.numbers.smooth / max(self.knots.number, 1) * (second.T @ (second @ z)))
+
+    def value(self, miss: Miss, z: Scalars) -> float:
+        """The target: half the mean squared distance, and the smoothness."""
+        return miss.value + 0.5 * float(z @ self.smooth(z))
+
+    def nearby(self, shape: Rods, z: Scalars) -> Equilibrium:
+        """Relax strips that are cut so from a shape nearby."""
+        return minimized(
+            self.knots.cut(z, shape),
+            self.terms,
+            stepping=self.stepping,
+            fixed=self.held,
+            pattern=self.pattern,
+        )
+
+    def anew(self, z: Scalars) -> Equilibrium:
+        """Relax strips that are cut so from the start, as `relax_rods` does for any weave."""
+        return relax_rods(self.knots.cut(z), springs=self.springs, fixed=self.still)
+
+    def told(self, number: int, miss: Miss, rest: Equilibrium, z: Scalars, taken: bool) -> CurvedStep:
+        """What is said of a trial."""
+        mean = float(np.abs(miss.residuals) @ np.sqrt(self.goal.weights))
+        sharpest = float(np.abs(z[: self.knots.curved]).max(initial=0.0))
+        energy = rest.steps[-1].energy
+        return CurvedStep(number, float(np.sqrt(2 * miss.value)), mean, energy, sharpest, taken)
+
+
+class _Linear:
+    """The target near one shape at rest."""
+
+    def __init__(self, problem: _Inverse, rods: Rods, z: Scalars) -> None:
+        self.problem, self.rods, self.z = problem, rods, z
+        self.miss = problem.goal.miss(rods)
+        self.value = problem.value(self.miss, z)
+        self.sensitivity = RestSensitivity(rods, problem.terms, problem.held, None, problem.pattern)
+        self.gradient = self.back(self.miss.residuals) + problem.smooth(z)
+        # What is at its bound and pushed against it does not take part.
+        self.free = (np.abs(z) < problem.most * (1 - 1e-9)) | (z * self.gradient > 0)
+
+    def moved(self, change: Scalars) -> Scalars:
+        """(3 V + S,) change of the shape at rest."""
+        return self.sensitivity.moved(*self.problem.knots.change(change))
+
+    def forward(self, change: Scalars) -> Scalars:
+        """(V,) change of the residuals."""
+        return self.miss.forward(self.moved(change)[: self.rods.points.size].reshape(-1, 3))
+
+    def back(self, slope: Scalars) -> Scalars:
+        """Derivative by the unknowns of what has this derivative (V,) by the residuals."""
+        pull = np.concatenate([self.miss.backward(slope).ravel(), np.zeros(self.rods.layout.segments)])
+        return self.problem.knots.slope(*self.sensitivity.pulled(pull))
+
+    def step(self, radius: float) -> tuple[Scalars, float]:
+        """Lower the quadratic model by conjugate gradients inside a region (Steihaug 1983).
+
+        Returns
+        -------
+        The step, and by how much it lowers the model.
+        """
+        p = np.zeros_like(self.gradient)
+        r = np.where(self.free, -self.gradient, 0.0)
+        d, lowered = r, 0.0
+        first = size = float(r @ r)
+        for _ in range(self.problem.numbers.most_inner):
+            if not size > INNER**2 * first:
+                break
+            h = np.where(self.free, self.back(self.forward(d)) + self.problem.smooth(d), 0.0)
+            curved = float(d @ h)
+            if not curved > 0:
+                break
+            along = size / curved
+            outside = float(np.linalg.norm(p + along * d)) >= radius
+            if outside:
+                a, b, c = d @ d, p @ d, p @ p - radius**2
+                along = float((-b + np.sqrt(b * b - a * c)) / a)
+            lowered += along * size - 0.5 * along**2 * curved
+            p = p + along * d
+            if outside:
+                break
+            r = r - along * h
+            size, before = float(r @ r), size
+            d = r + size / before * d
+        return p, lowered
+
+
+class _Taken(NamedTuple):
+    """A trial that was taken."""
+
+    z: Scalars
+    value: float
+
+
+def optimal_strips(
+    start: Rods,
+    surface: TriMesh,
+    *,
+    springs: Springs | None = None,
+    numbers: Fitting | None = None,
+    fixed: Flags | None = None,
+    callback: Callable[[CurvedStep], None] | None = None,
+) -> CurvedStrips:
+    """Choose curvatures and lengths of strips so that they come to rest on a surface.
+
+    Minimises half the mean squared distance of the vertices at rest from the surface, after the best rigid
+    fit, in squared diagonals, with a small term for smoothness. Each trial relaxes from the last shape at
+    rest. Some weaves have several shapes at rest, and the one that was followed may not be the one that is
+    reached from the surface. So the last trials are relaxed anew from the start, and the best is returned.
+
+    Parameters
+    ----------
+    start : rods on the surface, their natural curvature the first guess
+    surface : in the same place and size
+    springs : stiffnesses of the contacts
+    numbers : of the iteration
+    fixed : (V,) vertices that do not move
+    callback : called with every trial
+
+    Returns
+    -------
+    CurvedStrips
+        It says whether the iteration converged; the number of trials is bounded, so it always ends.
+
+    >>> surface = gw.shapes.cone(faces=400).normalized()[0]
+    >>> rods = gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)).rods
+    >>> found = gw.rods.optimal_strips(rods, surface, numbers=gw.rods.Fitting(most_steps=4))
+    >>> found.steps[-1].rms < found.steps[0].rms
+    True
+    """
+    numbers = numbers or Fitting()
+    still = np.zeros(start.layout.vertices, dtype=bool) if fixed is None else fixed
+    problem = _Inverse(start, start, surface, springs or Springs(), still, numbers)
+    z = np.clip(problem.knots.start(), -problem.most, problem.most)
+    now = problem.nearby(problem.anew(z).rods, z)
+    linear = _Linear(problem, now.rods, z)
+    steps = [problem.told(0, linear.miss, now, z, True)]
+    path = [_Taken(z, linear.value)]
+    unit = np.sqrt(max(problem.knots.number, 1))
+    radius = TRUST * unit
+    converged, ending = False, f"after {numbers.most_steps} trials the distance still falls"
+    while len(steps) <= numbers.most_steps:
+        step, lowered = linear.step(radius)
+        new = np.clip(linear.z + step, -problem.most, problem.most)
+        size = float(np.linalg.norm(new - linear.z))
+        if lowered <= numbers.enough * linear.value and size < 0.99 * radius:
+            converged, ending = True, "no step promises to bring it nearer"
+            break
+        if radius < LEAST_TRUST * unit:
+            ending = "no step brings it nearer"
+            break
+        trial = _trial(problem, linear, new)
+        gained = -np.inf if trial is None else linear.value - trial.value
+        taken = gained > 1e-3 * lowered
+        if trial is None:
+            steps.append(replace(steps[-1], number=len(steps), taken=False))
+        else:
+            steps.append(problem.told(len(steps), trial.miss, trial.rest, new, taken))
+        if callback is not None:
+            callback(steps[-1])
+        if gained < POOR * lowered:
+            radius = SHRINK * min(size, radius)
+        elif gained > GOOD * lowered and size > 0.8 * radius:
+            radius *= GROW
+        if taken and trial is not None:
+            try:
+                linear = _Linear(problem, trial.rest.rods, new)
+            except RodError:
+                radius = SHRINK * min(size, radius)
+                continue
+            path.append(_Taken(new, linear.value))
+    z, rest, same = _reached(problem, path)
+    if not same:
+        converged, ending = False, "the nearest shape is not the one that is reached from the surface"
+    return CurvedStrips(problem.knots.cut(z), rest, tuple(steps), converged, ending)
+
+
+class _Trial(NamedTuple):
+    """Strips that were tried."""
+
+    rest: Equilibrium
+    miss: Miss
+    value: float
+
+
+def _trial(problem: _Inverse, linear: _Linear, z: Scalars) -> _Trial | None:
+    """Relax strips that are cut so from where they are foreseen to rest; None if they do not come to rest."""
+    try:
+        rest = problem.nearby(linear.rods.stepped(linear.moved(z - linear.z)), z)
+    except RodError:
+        return None
+    if not rest.converged:
+        return None
+    miss = problem.goal.miss(rest.rods)
+    return _Trial(rest, miss, problem.value(miss, z))
+
+
+def _reached(problem: _Inverse, path: list[_Taken]) -> tuple[Scalars, Equilibrium, bool]:
+    """The best of the last trials when they are relaxed from the start, and whether it is the last."""
+    best: tuple[float, Scalars, Equilibrium] | None = None
+    for number, (z, value) in enumerate(reversed(path[-LOOKS:])):
+        rest = problem.anew(z)
+        found = problem.value(problem.goal.miss(rest.rods), z)
+        if best is None or found < best[0]:
+            best = found, z, rest
+        if rest.converged and found <= SAME**2 * value:
+            return z, rest, number == 0
+    assert best is not None
+    return best[1], best[2], False

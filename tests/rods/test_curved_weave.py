@@ -1,0 +1,53 @@
+from functools import cache
+
+import numpy as np
+import pytest
+
+from geoweave.errors import RodError
+from geoweave.models import shapes
+from geoweave.rods.curved_weave import STRIPS, curved
+from geoweave.rods.optimal_strips import Fitting
+from geoweave.rods.weave_at_rest import elastic_rods, relax, slide
+from geoweave.weave.design import weave_pattern
+
+
+@cache
+def slid():
+    return slide(elastic_rods(weave_pattern(shapes.torus(faces=1500), ribbons=12)))
+
+
+@cache
+def at_rest(strips):
+    return relax(curved(slid(), strips, numbers=Fitting(most_steps=10)))
+
+
+def test_each_kind_of_strips_lies_nearer_than_the_one_before():
+    far = [at_rest(strips).departure.to_surface.mean for strips in STRIPS]
+    assert far[1] < 0.8 * far[0]
+    assert far[2] < 0.8 * far[1]
+
+
+def test_straight_strips_are_those_of_the_paper():
+    cut = curved(slid(), "straight").cut
+    assert not cut.natural.any()
+    np.testing.assert_array_equal(cut.rest, slid().cut.rest)
+
+
+def test_designed_strips_cost_no_edgewise_energy_on_the_surface():
+    cut = curved(slid(), "designed").cut
+    np.testing.assert_allclose(cut.natural, cut.geodesic)
+    assert at_rest("designed").left.steps[0].energies["geodesic curvature"] < 1e-20
+
+
+def test_the_report_says_how_strips_are_cut():
+    assert "curved_strips" not in at_rest("straight").metrics()
+    assert at_rest("designed").metrics()["curved_strips"]["kind"] == "designed"
+    said = at_rest("optimal").metrics()["curved_strips"]
+    assert said["history"][0]["rms"] > said["history"][-1]["rms"]
+    assert said["sharpest"] <= 1.01
+    assert "curve" in at_rest("optimal").seconds
+
+
+def test_an_unknown_kind_is_refused():
+    with pytest.raises(RodError, match="straight, designed, optimal"):
+        curved(slid(), "bent")
