@@ -14,25 +14,27 @@ from .from_ribbons import (
     rods_of_file as rods_of_file,
     rods_of_ribbons as rods_of_ribbons,
 )
-from .optimal_strips import (
+from .rod_file import RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
+from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods
+from .slid_weave import (
+    ElasticWeave as ElasticWeave,
+    SlidWeave as SlidWeave,
+    elastic_rods as elastic_rods,
+    slide as slide,
+    surface_of_weave as surface_of_weave,
+)
+from .slide_and_relax import Springs as Springs, relax_rods as relax_rods, slide_rods as slide_rods
+from .steps import Stepping as Stepping
+from .strip_fitting import (
     CurvedStep as CurvedStep,
     CurvedStrips as CurvedStrips,
     Fitting as Fitting,
     optimal_strips as optimal_strips,
 )
-from .rod_file import RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
-from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods
-from .slide_and_relax import Springs as Springs, relax_rods as relax_rods, slide_rods as slide_rods
-from .steps import Stepping as Stepping
 from .weave_at_rest import (
-    ElasticWeave as ElasticWeave,
     Relaxed as Relaxed,
-    SlidWeave as SlidWeave,
-    elastic_rods as elastic_rods,
     relax as relax,
     relaxed_weave as relaxed_weave,
-    slide as slide,
     vertex_normals as vertex_normals,
 )
 from .weave_file import at_rest as at_rest, read_weave as read_weave, rods_of_document as rods_of_document
-from .woven_surface import surface_of_weave as surface_of_weave

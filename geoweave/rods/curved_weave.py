@@ -5,17 +5,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Literal, TypeAlias, get_args
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
 from geoweave.errors import RodError
-from geoweave.rods.optimal_strips import CurvedStep, Fitting, optimal_strips
 from geoweave.rods.rods import Rods
+from geoweave.rods.slid_weave import SlidWeave
 from geoweave.rods.slide_and_relax import Springs
-
-if TYPE_CHECKING:
-    from geoweave.rods.weave_at_rest import SlidWeave
+from geoweave.rods.strip_fitting import CurvedStep, Fitting, optimal_strips
 
 __all__ = ["STRIPS", "StripKind", "curved"]
 

@@ -1,4 +1,4 @@
-"""A weave left to physics: slid on its surface, then relaxed to the shape it will take (Section 5.2, E).
+"""A weave left to physics: relaxed to the shape it will take (Section 5.2, Appendix E.2).
 
 The file ``relaxed.json`` is that of ``weave.json`` with the ribbons where they come to rest.
 """
@@ -8,38 +8,26 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geoweave.arrays import Flags, Vectors
+from geoweave.arrays import Vectors
 from geoweave.files import replacing
 from geoweave.rods.curved_weave import StripKind, curved
 from geoweave.rods.departure import Departure, departure, held
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping
-from geoweave.rods.from_ribbons import ends_on, rods_of_ribbons
-from geoweave.rods.optimal_strips import CurvedStep, CurvedStrips
-from geoweave.rods.rods import DERIVED, Rods
-from geoweave.rods.slide_and_relax import ROUNDS, Springs, relax_rods, slide_rods
+from geoweave.rods.rods import Rods
+from geoweave.rods.slid_weave import SlidWeave, elastic_rods, slide
+from geoweave.rods.slide_and_relax import ROUNDS, Springs, relax_rods
+from geoweave.rods.strip_fitting import CurvedStep, CurvedStrips
 from geoweave.rods.weave_file import at_rest
-from geoweave.rods.woven_surface import surface_of_weave
-from geoweave.surface import TriMesh
 from geoweave.weave import Weave
 
-__all__ = [
-    "ElasticWeave",
-    "Relaxed",
-    "SlidWeave",
-    "boundary_ends",
-    "elastic_rods",
-    "relax",
-    "relaxed_weave",
-    "slide",
-    "vertex_normals",
-]
+__all__ = ["Relaxed", "relax", "relaxed_weave", "vertex_normals"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,147 +136,6 @@ def vertex_normals(rods: Rods) -> Vectors:
     for end in (0, 1):
         np.add.at(sums, rods.layout.ends[:, end], rods.directors)
     return np.asarray(sums / np.linalg.norm(sums, axis=1)[:, None])
-
-
-@dataclass(frozen=True, eq=False)
-class ElasticWeave:
-    """A weave whose ribbons are elastic rods, as `elastic_rods` makes it.
-
-    Attributes
-    ----------
-    weave : as designed
-    rods : its ribbons, in the unit of the weave's mesh
-
-    >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
-    >>> made = gw.elastic_rods(woven)
-    >>> len(made.rods) == len(made.weave.names)
-    True
-    """
-
-    weave: Weave
-    rods: Rods
-
-
-@dataclass(frozen=True, eq=False)
-class SlidWeave:
-    """A weave after its ribbons slid on their surface (Appendix E.1), as `slide` makes it.
-
-    Attributes
-    ----------
-    weave : as designed
-    designed : its ribbons as rods, as designed
-    slid : where they slid to
-    fixed : (V,) vertices that a boundary holds, all False if it does not
-    seconds : wall-clock seconds of sliding
-    cut : the strips, in the shape that the ribbons slid to: straight ones as long as the ribbons there,
-        unless `curved` chose others
-    curving : how they were chosen, if they were (`optimal_strips`)
-    curving_seconds : wall-clock seconds of that
-
-    >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)))
-    >>> slid.slid.energies["geodesic curvature"] < slid.slid.steps[0].energies["geodesic curvature"]
-    True
-    """
-
-    weave: Weave
-    designed: Rods
-    slid: Equilibrium
-    fixed: Flags
-    seconds: float
-    cut: Rods = DERIVED
-    curving: CurvedStrips | None = None
-    curving_seconds: float = 0.0
-
-    def __post_init__(self) -> None:
-        if self.cut is DERIVED:
-            rods = self.slid.rods
-            object.__setattr__(self, "cut", replace(rods, rest=rods.lengths))
-
-
-def elastic_rods(weave: Weave, *, width: float | None = None, thickness: float | None = None) -> ElasticWeave:
-    """Make elastic rods of the ribbons of a weave (Section 5.2, Appendix E).
-
-    Ribbons are cut into equal segments, a fifth of their spacing long. Their thickness directions are the
-    normals of the surface, and they are as long at rest as they are now.
-
-    Parameters
-    ----------
-    weave : as designed
-    width, thickness : of a ribbon, in the unit in which the weave is written (`Weave.sized`); those of the
-        weave if not given
-
-    Raises
-    ------
-    RodError
-        If a ribbon is too short for a segment, or not as wide as thick.
-    FieldError
-        If a number is not positive.
-
-    >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
-    >>> made = gw.elastic_rods(woven, width=0.06, thickness=0.003)
-    >>> bool(abs(made.rods.widths * woven.placement.scale - 0.06).max() < 1e-12)
-    True
-    """
-    if width is not None or thickness is not None:
-        weave = weave.sized(width=width, thickness=thickness)
-    rods = rods_of_ribbons(weave.ribbons, weave.interlacing.over, weave.width, weave.thickness)
-    return ElasticWeave(weave, rods)
-
-
-def boundary_ends(weave: Weave, rods: Rods) -> Flags:
-    """(V,) ends of ribbons that lie on the boundary of the surface."""
-    rim = weave.mesh.vertices[weave.mesh.boundary_vertices]
-    if not len(rim):
-        return np.zeros(rods.layout.vertices, dtype=bool)
-    return ends_on(rods, rim, weave.mesh.mean_edge)
-
-
-def slide(
-    weave: ElasticWeave,
-    surface: TriMesh | None = None,
-    *,
-    springs: Springs | None = None,
-    rounds: int = ROUNDS,
-    stepping: Stepping | None = None,
-    fixed_boundary: bool = False,
-    callback: Callable[[Step], None] | None = None,
-) -> SlidWeave:
-    """Let the ribbons of a weave slide on their surface to release elastic strain (Appendix E.1).
-
-    See `slide_rods` for what is minimised.
-
-    Parameters
-    ----------
-    weave : its ribbons as rods
-    surface : the one that was woven, in the size in which it was or in that of the weave (`Weave.sized`);
-        the mesh of the weave if not given
-    springs, rounds, stepping : as of `slide_rods`
-    fixed_boundary : hold the ends of ribbons that lie on the boundary, here and in `relax`
-    callback : called with every `Step`
-
-    Raises
-    ------
-    RodError
-        If the surface lies elsewhere than the weave, or a parameter is out of range.
-
-    >>> surface = gw.shapes.cone(faces=400)
-    >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)), surface)
-    >>> slid.slid.converged
-    True
-    """
-    clock = time.perf_counter()
-    woven, rods = weave.weave, weave.rods
-    fixed = boundary_ends(woven, rods) if fixed_boundary else np.zeros(rods.layout.vertices, dtype=bool)
-    slid = slide_rods(
-        rods,
-        woven.mesh if surface is None else surface_of_weave(surface, woven, rods.points),
-        springs=springs,
-        rounds=rounds,
-        stepping=stepping,
-        fixed=fixed,
-        callback=callback,
-    )
-    return SlidWeave(woven, rods, slid, fixed, time.perf_counter() - clock)
 
 
 def relax(

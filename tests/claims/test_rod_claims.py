@@ -12,9 +12,10 @@ from geoweave.arrays import Flags
 from geoweave.models import shapes
 from geoweave.rods.elastic_energies import elastic_terms, energy_density
 from geoweave.rods.rods import DERIVED, Contacts, Rods
+from geoweave.rods.slid_weave import elastic_rods
 from geoweave.rods.slide_and_relax import relax_rods, relaxing_terms
 from geoweave.rods.steps import Problem
-from geoweave.rods.weave_at_rest import Relaxed, elastic_rods, relaxed_weave
+from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave
 from geoweave.weave.design import Weave, weave_pattern
 
 CLOSED = {"bumpy box": 15, "icosahedron": 15, "sphere": 12, "torus": 12}

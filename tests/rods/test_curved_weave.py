@@ -6,8 +6,9 @@ import pytest
 from geoweave.errors import RodError
 from geoweave.models import shapes
 from geoweave.rods.curved_weave import STRIPS, curved
-from geoweave.rods.optimal_strips import Fitting
-from geoweave.rods.weave_at_rest import elastic_rods, relax, slide
+from geoweave.rods.slid_weave import elastic_rods, slide
+from geoweave.rods.strip_fitting import Fitting
+from geoweave.rods.weave_at_rest import relax
 from geoweave.weave.design import weave_pattern
 
 

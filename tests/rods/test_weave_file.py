@@ -13,7 +13,7 @@ import pytest
 
 from geoweave.errors import WeaveFileError
 from geoweave.models import shapes
-from geoweave.rods.weave_at_rest import elastic_rods
+from geoweave.rods.slid_weave import elastic_rods
 from geoweave.rods.weave_file import at_rest, read_weave, rods_of_document
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.weave import Weave

@@ -130,6 +130,12 @@ EXACT = 1e-7
 SAME = 1.02
 """A shape is the one that was followed if its distance is at most so many times as large."""
 
+ENOUGH = 1e-3
+"""Share of the foreseen decrease that a trial must achieve to be taken."""
+
+CONVERGED = "no step promises to bring it nearer"
+"""How an iteration that converged ended."""
+
 LOOKS = 8
 """Trials that are relaxed anew at the end, the last first, until one comes to rest where it was followed."""
 
@@ -285,6 +291,18 @@ def optimal_strips(
     numbers = numbers or Fitting()
     still = np.zeros(start.layout.vertices, dtype=bool) if fixed is None else fixed
     problem = _Inverse(start, start, surface, springs or Springs(), still, numbers)
+    path, steps, ending = _descent(problem, callback)
+    z, rest, same = _reached(problem, path)
+    if ending == CONVERGED and not same:
+        ending = "the nearest shape is not the one that is reached from the surface"
+    return CurvedStrips(problem.knots.cut(z), rest, tuple(steps), ending == CONVERGED, ending)
+
+
+def _descent(
+    problem: _Inverse, callback: Callable[[CurvedStep], None] | None
+) -> tuple[list[_Taken], list[CurvedStep], str]:
+    """Gauss-Newton steps in a trust region; what was taken, every trial, and why it ended."""
+    numbers = problem.numbers
     z = np.clip(problem.knots.start(), -problem.most, problem.most)
     now = problem.nearby(problem.anew(z).rods, z)
     linear = _Linear(problem, now.rods, z)
@@ -292,20 +310,17 @@ def optimal_strips(
     path = [_Taken(z, linear.value)]
     unit = np.sqrt(max(problem.knots.number, 1))
     radius = TRUST * unit
-    converged, ending = False, f"after {numbers.most_steps} trials the distance still falls"
     while len(steps) <= numbers.most_steps:
         step, lowered = linear.step(radius)
         new = np.clip(linear.z + step, -problem.most, problem.most)
         size = float(np.linalg.norm(new - linear.z))
         if lowered <= numbers.enough * linear.value and size < 0.99 * radius:
-            converged, ending = True, "no step promises to bring it nearer"
-            break
+            return path, steps, CONVERGED
         if radius < LEAST_TRUST * unit:
-            ending = "no step brings it nearer"
-            break
+            return path, steps, "no step brings it nearer"
         trial = _trial(problem, linear, new)
         gained = -np.inf if trial is None else linear.value - trial.value
-        taken = gained > 1e-3 * lowered
+        taken = trial is not None and gained > ENOUGH * lowered
         if trial is None:
             steps.append(replace(steps[-1], number=len(steps), taken=False))
         else:
@@ -317,16 +332,9 @@ def optimal_strips(
         elif gained > GOOD * lowered and size > 0.8 * radius:
             radius *= GROW
         if taken and trial is not None:
-            try:
-                linear = _Linear(problem, trial.rest.rods, new)
-            except RodError:
-                radius = SHRINK * min(size, radius)
-                continue
+            linear = _Linear(problem, trial.rest.rods, new)
             path.append(_Taken(new, linear.value))
-    z, rest, same = _reached(problem, path)
-    if not same:
-        converged, ending = False, "the nearest shape is not the one that is reached from the surface"
-    return CurvedStrips(problem.knots.cut(z), rest, tuple(steps), converged, ending)
+    return path, steps, f"after {numbers.most_steps} trials the distance still falls"
 
 
 class _Trial(NamedTuple):
@@ -340,9 +348,10 @@ class _Trial(NamedTuple):
 def _trial(problem: _Inverse, linear: _Linear, z: Scalars) -> _Trial | None:
     """Relax strips that are cut so from where they are foreseen to rest; None if they do not come to rest."""
     try:
-        rest = problem.nearby(linear.rods.stepped(linear.moved(z - linear.z)), z)
-    except RodError:
+        ahead = linear.rods.stepped(linear.moved(z - linear.z))
+    except RodError:  # a segment would vanish or fold back
         return None
+    rest = problem.nearby(ahead, z)
     if not rest.converged:
         return None
     miss = problem.goal.miss(rest.rods)

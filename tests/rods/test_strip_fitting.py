@@ -7,10 +7,10 @@ import pytest
 
 from geoweave.errors import FieldError
 from geoweave.models import shapes
-from geoweave.rods.optimal_strips import Fitting, _Inverse, _Linear, optimal_strips
+from geoweave.rods.slid_weave import elastic_rods
 from geoweave.rods.slide_and_relax import Springs
 from geoweave.rods.steps import Stepping
-from geoweave.rods.weave_at_rest import elastic_rods
+from geoweave.rods.strip_fitting import Fitting, _Inverse, _Linear, optimal_strips
 from geoweave.weave.design import weave_pattern
 
 
