@@ -16,7 +16,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 
-from geoweave.errors import DataError, RenderError
+from geoweave.errors import DataError, GeoweaveError, RenderError
 
 PACKAGES = (
     "geoweave",
@@ -34,6 +34,9 @@ PACKAGES = (
 )
 """Distributions whose versions matter to the figures."""
 
+NOTEBOOKS = ("ipykernel", "nbformat", "papermill")
+"""Distributions that execute notebooks; they come with the extra of that name, not with the package alone."""
+
 APT_LINE = "sudo apt-get install libegl1 libgl1-mesa-dri"
 """What a Debian or Ubuntu machine needs for VTK to draw without a screen."""
 
@@ -41,6 +44,7 @@ PROBE = ("-m", "geoweave.viz.probe")
 
 __all__ = [
     "APT_LINE",
+    "NOTEBOOKS",
     "PACKAGES",
     "Diagnosis",
     "Rendering",
@@ -48,6 +52,7 @@ __all__ = [
     "examine",
     "main",
     "rendering_environment",
+    "require_notebooks",
     "require_rendering",
     "try_rendering",
     "versions",
@@ -175,6 +180,27 @@ def require_rendering() -> Rendering:
     if not outcome.works:
         raise RenderError(f"{outcome.problem}; {outcome.remedy}")
     return outcome
+
+
+def require_notebooks() -> None:
+    """Stop with the line to run where packages are missing that execute notebooks.
+
+    Raises
+    ------
+    GeoweaveError
+        if one is not installed, as after ``pip install geoweave`` without the extra.
+    """
+    missing = []
+    for name in NOTEBOOKS:
+        try:
+            importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            missing.append(name)
+    if missing:
+        raise GeoweaveError(
+            f"figures are made by notebooks, and what executes them is not installed ({', '.join(missing)}); "
+            "run: pip install 'geoweave[notebooks]'"
+        )
 
 
 def versions() -> dict[str, str]:

@@ -38,9 +38,12 @@ def figures(names: tuple[str, ...], profile: str, jobs: int, force: bool, as_jso
     """Execute the notebooks that are stale and write figures/."""
     from dataclasses import asdict
 
-    from geoweave.artifact import doctor, figures
+    from geoweave.artifact import doctor
 
+    doctor.require_notebooks()
     doctor.require_rendering()
+    from geoweave.artifact import figures  # it loads what executes notebooks
+
     results = figures.run(names, profile, jobs, force=force)
     if as_json:
         print_json({result.name: asdict(result) for result in results})

@@ -43,12 +43,11 @@ def field(source: MeshSource, output: str | None, as_json: bool) -> None:
 @click.option(
     "--scale",
     type=Positive(),
-    default=1.0,
-    help="Factor on the number of level sets (1).",
+    help="Factor on the number of level sets (1; if not given, 2 or 4 where fewer do not follow the field).",
 )
 @output_option
 @as_json
-def foliate(source: MeshSource, scale: float, output: str | None, as_json: bool) -> None:
+def foliate(source: MeshSource, scale: float | None, output: str | None, as_json: bool) -> None:
     """Find a geodesic field, and a periodic function whose level sets follow it."""
     from geoweave.pipeline import foliate_file
 
@@ -93,8 +92,16 @@ def _foliation_rows(result: dict[str, Any]) -> list[tuple[str, str]]:
     angle = result["deviation_deg"]
     spread = f"{angle['median']:.2f} median, {angle['mean']:.2f} mean, 95 % within {angle['p95']:.2f}"
     return [
+        *([("scale", _scale_text(result))] if len(result["scales_tried"]) > 1 else []),
         ("deviation", f"{spread} degrees"),
         ("dislocations", str(result["dislocations"])),
         ("spacing", f"spread {result['spacing_spread']:.2f} in its logarithm, 0 if even"),
         ("smallest s", f"{result['s_min']:.3g} of its mean"),
     ]
+
+
+def _scale_text(result: dict[str, Any]) -> str:
+    """The scale, and why it is not 1."""
+    others = [each for each in result["scales_tried"] if each["scale"] != result["scale"]]
+    said = ", ".join(f"{each['median_deg']:.2f} at {each['scale']:g}" for each in others)
+    return f"{result['scale']:g}; the level sets are farther from the field at others (median {said})"

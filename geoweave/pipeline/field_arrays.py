@@ -21,6 +21,16 @@ __all__ = ["FieldOfFile", "field_file", "foliate_file"]
 PHASES = 4
 """Of the circle of smoothest fields, Algorithm 1 starts from the best of so many."""
 
+SCALES = (1.0, 2.0, 4.0)
+"""Scales that are tried if none is asked for, until the level sets follow the field.
+
+Level sets close up round every handle, so their number round it is a whole one. On a long thin tube few go
+round, and a whole number is far from the one that the field asks for. With twice as many it is nearer.
+"""
+
+FOLLOWS = 5.0
+"""Level sets follow the field if the median of the angle between them is at most so many degrees."""
+
 
 @dataclass(frozen=True, eq=False)
 class FieldOfFile:
@@ -32,6 +42,8 @@ class FieldOfFile:
     foliation: Foliation | None
     scale: float
     """Factor on the number of level sets."""
+    tried: tuple[tuple[float, float], ...]
+    """Scales that were tried, each with the median deviation there, degrees; none for a field alone."""
     seconds: dict[str, float]
     """Wall-clock time of each step, and in total."""
     output: str | None
@@ -57,7 +69,8 @@ class FieldOfFile:
             "repairs": self.prepared.report.as_dict(),
         }
         if self.foliation is not None:
-            said |= {"scale": self.scale, **_foliation_numbers(self.foliation)}
+            tried = [{"scale": scale, "median_deg": median} for scale, median in self.tried]
+            said |= {"scale": self.scale, "scales_tried": tried, **_foliation_numbers(self.foliation)}
         said["seconds"] = {key: round(value, 4) for key, value in self.seconds.items()}
         return said if self.output is None else said | {"output": self.output}
 
@@ -94,20 +107,22 @@ def field_file(
     >>> curl["after"] < curl["before"]
     True
     """
-    return _of_file(source_of(mesh), output, None, callback or silent)
+    return _of_file(source_of(mesh), output, (), callback or silent)
 
 
 def foliate_file(
     mesh: str | os.PathLike[str] | MeshSource,
     output: str | os.PathLike[str] | None = None,
     *,
-    scale: float = 1.0,
+    scale: float | None = None,
     callback: Say | None = None,
 ) -> FieldOfFile:
     """Find a geodesic field on the mesh of a file, and a periodic function whose level sets follow it.
 
-    As `field_file`, and with a factor ``scale`` on the number of level sets. The file has three arrays more:
-    ``theta_jump (F, 3)``, ``s (F,)`` and ``kept (F,)``; faces that were punctured hold nan.
+    As `field_file`, and with a factor ``scale`` on the number of level sets. If it is not given, it is 1, or
+    2 or 4 where fewer level sets do not follow the field; if they never do, it is that of these at which they
+    follow it best. The file has three arrays more: ``theta_jump (F, 3)``, ``s (F,)`` and ``kept (F,)``; faces
+    that were punctured hold nan.
 
     Examples
     --------
@@ -119,31 +134,34 @@ def foliate_file(
     >>> found.document()["s_min"] > 0
     True
     """
-    return _of_file(source_of(mesh), output, scale, callback or silent)
+    return _of_file(source_of(mesh), output, SCALES if scale is None else (scale,), callback or silent)
 
 
 def _of_file(
-    source: MeshSource, output: str | os.PathLike[str] | None, scale: float | None, say: Say
+    source: MeshSource, output: str | os.PathLike[str] | None, scales: tuple[float, ...], say: Say
 ) -> FieldOfFile:
-    """A field, and with a scale also its foliation."""
+    """A field, and with scales also its foliation, at the first of them at which it follows the field."""
     from geoweave.fields import INTEGRABLE_END
 
     if output is not None:
         check_output(output, source.name)
     seconds: dict[str, float] = {}
-    foliation = None
+    tried: list[tuple[float, Foliation]] = []
     with about(source.name):
-        finest = None if scale is None else INTEGRABLE_END
-        prepared, solve = _solved(source, finest, seconds, say)
-        if scale is not None:
-            foliation = _foliated(solve, scale, source.seed, seconds, say)
+        prepared, solve = _solved(source, INTEGRABLE_END if scales else None, seconds, say)
+        if scales:
+            with timed(seconds, "foliate"):
+                tried = _foliated(solve, scales, source.seed, say)
+        # Of those that follow the field equally well min takes the first, which has the fewest level sets.
+        scale, foliation = min(tried, key=lambda each: _median(each[1]), default=(1.0, None))
         if output is not None:
             say(f"writing {output}")
             with timed(seconds, "write"):
                 _write(output, _field_arrays(solve) | _foliation_arrays(foliation))
     seconds["total"] = sum(seconds.values())
     name = None if output is None else os.fspath(output)
-    return FieldOfFile(source, prepared, solve, foliation, 1.0 if scale is None else scale, seconds, name)
+    medians = tuple((each, _median(found)) for each, found in tried)
+    return FieldOfFile(source, prepared, solve, foliation, scale, medians, seconds, name)
 
 
 def _solved(
@@ -170,18 +188,29 @@ def _solved(
 
 
 def _foliated(
-    solve: GeodesicSolve, scale: float, seed: int, seconds: dict[str, float], say: Say
-) -> Foliation:
+    solve: GeodesicSolve, scales: tuple[float, ...], seed: int, say: Say
+) -> list[tuple[float, Foliation]]:
+    """The foliations at the scales, in order, up to the first one that follows the field."""
     from geoweave.foliation import foliate
 
-    say("finding the integrating factor")
-    with timed(seconds, "foliate"):
-        return foliate(
+    found: list[tuple[float, Foliation]] = []
+    for scale in scales:
+        say(f"finding the integrating factor, at scale {scale:g}")
+        foliation = foliate(
             solve.field,
             scale=scale,
             seed=seed,
             callback=lambda number, energy: say(f"s and theta: alternation {number}, energy {energy:.6g}"),
         )
+        found.append((scale, foliation))
+        if _median(foliation) <= FOLLOWS:
+            break
+    return found
+
+
+def _median(foliation: Foliation) -> float:
+    """Median angle between the level sets and the field, degrees."""
+    return foliation.alignment.median
 
 
 def _singularities(mesh: TriMesh, initial: FaceField, final: FaceField) -> dict[str, int]:

@@ -5,11 +5,13 @@ import platform
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 
 from geoweave.artifact import doctor
+from geoweave.checkout import repository
 from geoweave.errors import RenderError
 from geoweave.models import datasets
 
@@ -89,6 +91,14 @@ def test_a_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(doctor, "PACKAGES", ("numpy", "no-such-distribution", "papermill"))
     assert doctor.versions()["no-such-distribution"] == ""
     assert "no-such-distribution  not installed" in doctor.examine().as_text()
+
+
+def test_what_executes_notebooks_is_in_the_extra_that_is_named() -> None:
+    project = tomllib.loads((repository() / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extra = {line.split(">=")[0] for line in project["optional-dependencies"]["notebooks"]}
+    assert set(doctor.NOTEBOOKS) <= extra
+    assert not set(doctor.NOTEBOOKS) & {line.split(">=")[0] for line in project["dependencies"]}
+    doctor.require_notebooks()
 
 
 def test_data_sets_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

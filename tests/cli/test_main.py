@@ -230,6 +230,9 @@ def test_foliate_for_people_and_at_another_scale(run, ball):
         for scale in (0.2, 3)
     )
     assert np.isfinite([rough, fine]).all()
+    chosen = json.loads(run("foliate", ball, "--json")[1])
+    assert [each["scale"] for each in chosen["scales_tried"]] == [1.0]
+    assert chosen["scale"] == 1.0
     assert refused(run("foliate", ball, "--scale", 0), "--scale")
     assert refused(run("foliate", ball, "--scale", 0.001), f"{ball}: ", "larger scale")
 
@@ -418,6 +421,31 @@ def test_doctor(run, monkeypatch):
         status, out, err = run("doctor")
         assert (status, err) == (expected, "")
         assert ("no EGL" in out) is not works
+
+
+def test_figures_without_the_extra_say_which_one_to_install(tmp_path):
+    """As after the installation of a wheel alone: nothing that executes notebooks can be imported."""
+    lines = [
+        "import importlib.metadata, sys",
+        "gone = ('ipykernel', 'nbformat', 'nbclient', 'papermill')",
+        "sys.modules.update(dict.fromkeys(gone))",
+        "known = importlib.metadata.distribution",
+        "def distribution(name):",
+        "    if name in gone:",
+        "        raise importlib.metadata.PackageNotFoundError(name)",
+        "    return known(name)",
+        "importlib.metadata.distribution = distribution",
+        "from geoweave.cli.main import main",
+        "sys.exit(main(['figures', 'fig26']))",
+    ]
+    done = subprocess.run(
+        [sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        "geoweave: figures are made by notebooks, and what executes them is not installed (ipykernel, "
+        "nbformat, papermill); run: pip install 'geoweave[notebooks]'\n"
+    )
 
 
 def test_figures(run, monkeypatch):
