@@ -58,9 +58,11 @@ from .foliation import (
 from .meshing import isotropic_remesh as isotropic_remesh, read_mesh as read_mesh
 from .models import datasets as datasets, shapes as shapes
 from .pipeline import (
+    CutRequest as CutRequest,
     MeshSource as MeshSource,
     WeaveRequest as WeaveRequest,
     WovenFiles as WovenFiles,
+    cut_folder as cut_folder,
     weave_file as weave_file,
 )
 from .rods import (

@@ -24,6 +24,7 @@ INTERRUPTED = 130
 """Exit status after Ctrl-C: 128 and the number of the signal, as shells have it."""
 
 COMMANDS = {
+    "cut": "cut_command",
     "doctor": "artifact_commands",
     "fetch": "artifact_commands",
     "field": "field_commands",

@@ -28,7 +28,7 @@ class Colours:
     ----------
     style : "laser" draws every layer in its one colour and fills nothing but marks; "paper" draws families
         in their colours
-    cut, score, guide, label : of the layers of a laser, by default the usual ones
+    cut, hole, score, guide, label : of the layers of a laser, by default the usual ones
     families : of the families, on paper
 
     Raises
@@ -39,6 +39,7 @@ class Colours:
 
     style: Literal["laser", "paper"] = "laser"
     cut: str = "#ff0000"
+    hole: str = "#ff00ff"
     score: str = "#0000ff"
     guide: str = "#009a3e"
     label: str = "#000000"
@@ -47,7 +48,7 @@ class Colours:
     def __post_init__(self) -> None:
         if self.style not in ("laser", "paper"):
             raise FieldError(f"the style of a drawing is 'laser' or 'paper', not '{self.style}'")
-        layers = (self.cut, self.score, self.guide, self.label)
+        layers = (self.cut, self.hole, self.score, self.guide, self.label)
         for colour in (*layers, *self.families):
             if not re.fullmatch("#[0-9a-fA-F]{6}", colour):
                 raise FieldError(f"a colour is written as #rrggbb, not '{colour}'")
@@ -76,6 +77,7 @@ def ink(figure: Figure, colours: Colours) -> Ink | None:
     if colours.style == "laser":
         colour = {
             "cut": colours.cut,
+            "hole": colours.hole,
             "score": colours.score,
             "guide": colours.guide,
             "label": colours.label,
@@ -97,7 +99,8 @@ def ink(figure: Figure, colours: Colours) -> Ink | None:
         "under": Ink(dark, 0.18, None),
         "over": Ink(dark, 0.14, None),
         "heading": Ink(dark, 0.16, None),
-        "leader": Ink(dark, 0.1, None),
+        "nick": Ink(INK, 0.12, None),
+        "hole": Ink(INK, 0.15, "#ffffff"),
         "hollow": Ink(dark, 0.22, "#ffffff"),
         "solid": Ink(dark, 0.22, dark),
     }[role]

@@ -93,16 +93,22 @@ class CutList(NamedTuple):
         return out.getvalue()
 
 
-def cut_list(pattern: Pattern, making: Making, stock_length: float = 1000.0) -> CutList:
+def cut_list(
+    pattern: Pattern,
+    making: Making,
+    stock_length: float = 1000.0,
+    pieces: Sequence[Piece] | None = None,
+) -> CutList:
     """Which strips come from which stock length: the longest first, each from the first with room for it.
 
-    A strip longer than a stock length is cut in pieces.
+    A strip longer than a stock length is cut in pieces, unless the pieces are given.
 
     Parameters
     ----------
     pattern : the strips
     making : what is added to them
     stock_length : in mm; the kerf is lost at each cut
+    pieces : what is cut, no piece longer than a stock length
 
     Raises
     ------
@@ -111,7 +117,7 @@ def cut_list(pattern: Pattern, making: Making, stock_length: float = 1000.0) -> 
     """
     if not (math.isfinite(stock_length) and stock_length > 0):
         raise FieldError(f"the stock length must be a positive number of mm, not {stock_length}")
-    pieces = pieces_of(pattern, making, stock_length)
+    pieces = pieces_of(pattern, making, stock_length) if pieces is None else tuple(pieces)
     left: list[float] = []
     stock = [0] * len(pieces)
     for k in sorted(range(len(pieces)), key=lambda k: (-pieces[k].length, k)):

@@ -52,6 +52,15 @@ def weave_document(weave: WeaveLike, name: str = "weave.json") -> Mapping[str, A
     ------
     FieldError
         If the document is no weave.
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
+    >>> gw.fabrication.weave_document(weave)["units"]
+    'mm'
+    >>> gw.fabrication.weave_document({"format": "other"}, "other.json")
+    Traceback (most recent call last):
+    geoweave.errors.FieldError: other.json: is not a geoweave-weave of version 1; ...
     """
     document = weave if isinstance(weave, Mapping) else weave.document()
     if document.get("format") != WEAVE_FORMAT or document.get("version") != WEAVE_VERSION:

@@ -9,18 +9,17 @@ from typing import Any
 
 from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.pdf import PAPERS
-from geoweave.fabrication.strip_layout import Bench, StripLayout
+from geoweave.fabrication.strip_layout import Bench, StripLayout, media_of
 from geoweave.files import Job, OutputError, chosen, written_together
 
-__all__ = ["FORMATS", "check_formats", "jobs_of", "write"]
+__all__ = ["FORMATS", "check_formats", "files_of", "jobs_of", "layout_for", "write"]
 
 FORMATS = {
     "pattern": "pattern.json, flat strips, crossings and the order of assembly",
     "csv": "cutlist.csv, lengths and stock",
     "svg": "pattern.svg, sheets in true millimetres with the layers of a laser cutter",
     "dxf": "pattern.dxf, the same as DXF R2010",
-    "pdf": "pattern-a4.pdf and pattern-letter.pdf, pages at true scale",
+    "pdf": "pattern-a4.pdf and the same for other papers, pages at true scale",
     "glb": "weave.glb, the woven object",
     "guide": "guide.html, a page that shows how to put it together",
 }
@@ -112,6 +111,28 @@ def jobs_of(
     >>> list(gw.fabrication.jobs_of(gw.fabrication.pattern_of(weave), ["csv", "pdf"]))
     ['cutlist.csv', 'pattern-a4.pdf', 'pattern-letter.pdf']
     """
+    return files_of(layout_for(pattern, formats, bench=bench, weave=weave, rest=rest), formats)
+
+
+def layout_for(
+    pattern: Pattern,
+    formats: Iterable[str],
+    *,
+    bench: Bench | None = None,
+    weave: WeaveLike | None = None,
+    rest: Mapping[str, Any] | None = None,
+) -> StripLayout:
+    """The layout that files of some formats are written from: one cutting of the strips for all of them.
+
+    Parameters and errors are those of `write`.
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=300.0)
+    >>> pattern = gw.fabrication.pattern_of(weave)
+    >>> gw.fabrication.layout_for(pattern, ["svg", "pdf"]).media
+    ('sheet', 'a4', 'letter')
+    """
     wanted = check_formats(formats)
     for name, what in (("glb", "GLB"), ("guide", "guide")):
         if name in wanted and weave is None:
@@ -121,11 +142,23 @@ def jobs_of(
     stands = rest if rest is not None else weave
     in_space = {"glb", "guide"} & set(wanted)
     space = weave_document(stands) if stands is not None and in_space else None
-    laid = StripLayout(pattern, bench or Bench(), space)
+    how = bench or Bench()
+    return StripLayout(pattern, how, space, media_of(wanted, how.papers))
+
+
+def files_of(laid: StripLayout, formats: Iterable[str]) -> dict[str, Job]:
+    """What writes each file of a layout; everything that may be refused is refused here.
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6).sized(size=100.0)
+    >>> list(gw.fabrication.files_of(gw.fabrication.layout(weave), ["svg", "dxf"]))
+    ['pattern.svg', 'pattern.dxf']
+    """
     jobs: dict[str, Job] = {}
-    for name in wanted:
+    for name in check_formats(formats):
         if name == "pdf":
-            for paper in PAPERS:
+            for paper in laid.bench.papers:
                 jobs |= laid.pdf_files(f"pattern-{paper}", paper)
         else:
             jobs |= laid.files(*_NAMES[name])

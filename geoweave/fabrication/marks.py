@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
 
-__all__ = ["MARKS", "assigned", "outline"]
+__all__ = ["MARKS", "assigned", "circle", "outline"]
 
 MARKS = ("disc", "triangle", "square", "star", "hourglass", "plus", "needle", "half")
 """Names of the marks, the plainest first."""
@@ -83,6 +83,11 @@ def _neighbours(ribbons: Indices, arclengths: Scalars, closed: Flags) -> list[li
                 if step and (closed[r] or 0 <= k + step < len(own)):
                     around[x].append(int(own[(k + step) % len(own)]))
     return around
+
+
+def circle(count: int) -> NDArray[np.float64]:
+    """(count, 2) points of the circle of radius 1, counter-clockwise."""
+    return _round(0, 360, count + 1)[:-1]
 
 
 def _round(first: float, last: float, count: int) -> NDArray[np.float64]:

@@ -1,16 +1,21 @@
-"""Pieces laid out on sheets: rows of strips, the longest first."""
+"""Pieces laid out on sheets, in rows, as a person sorts them.
+
+A row holds strips of one family. The pieces of a strip that is longer than a row lie in rows that follow each
+other, and short strips fill what the last of them leaves. Rows come in the order of the numbers of their
+first strips, so that a strip is found where it is looked for.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.strip_figures import Drawn, Figure
 
-__all__ = ["Laid", "Sheet", "Stock", "nested"]
+__all__ = ["Laid", "Sheet", "Stock", "nested", "used_share"]
 
 
 @dataclass(frozen=True)
@@ -23,6 +28,7 @@ class Stock:
         missing too, it is as wide as the longest strip
     margin : left free along the edges
     gap : between neighbouring strips
+    roll : whether it is a roll: ``height`` is its width, and strips lie along it, in one piece each
 
     Raises
     ------
@@ -34,6 +40,7 @@ class Stock:
     height: float = math.inf
     margin: float = 5.0
     gap: float = 2.0
+    roll: bool = False
 
     def __post_init__(self) -> None:
         for name in ("margin", "gap"):
@@ -61,6 +68,8 @@ class Laid(NamedTuple):
     """Where its start is, mm from the left edge of the sheet."""
     y: float
     """Where its middle is, mm from the lower edge."""
+    row: int = 1
+    """Which row of the sheet it lies in, from 1 at the top."""
 
     @property
     def figures(self) -> tuple[Figure, ...]:
@@ -75,51 +84,83 @@ class Sheet(NamedTuple):
     height: float
     laid: tuple[Laid, ...]
 
+    @property
+    def lowest(self) -> float:
+        """Lower edge of the lowest piece, mm from the lower edge of the sheet."""
+        return min(each.y + each.drawn.extent.bottom for each in self.laid)
+
 
 def nested(drawings: Sequence[Drawn], stock: Stock) -> tuple[Sheet, ...]:
-    """Lay pieces in rows, the longest first, each in the first row with room; then lay rows on sheets.
+    """Lay pieces in rows, and rows on sheets.
 
     Raises
     ------
     FieldError
         If a piece does not fit on a sheet.
     """
-    order = sorted(range(len(drawings)), key=lambda k: (-_length(drawings[k]), k))
-    if not order:
+    if not drawings:
         raise FieldError("there is no strip to lay out")
-    room = stock.room if math.isfinite(stock.room) else _length(drawings[order[0]])
-    rows: list[list[int]] = []
-    used: list[float] = []
-    for k in order:
-        length = _length(drawings[k])
-        if length > room + 1e-9:
-            raise FieldError(f"a strip of {length:.6g} mm does not fit on a sheet that leaves {room:.6g} mm")
-        fitting = (r for r, taken in enumerate(used) if taken + stock.gap + length <= room + 1e-9)
-        row = next(fitting, None)
-        if row is None:
-            rows.append([k])
-            used.append(length)
-        else:
-            rows[row].append(k)
-            used[row] += stock.gap + length
-    sheets: list[list[Laid]] = [[]]
-    down = 0.0
-    for row_of in rows:
-        top = max(drawings[k].extent.top for k in row_of)
-        bottom = min(drawings[k].extent.bottom for k in row_of)
-        if top - bottom > stock.height - 2 * stock.margin:
+    for each in drawings:
+        tall = each.extent.top - each.extent.bottom
+        if tall > stock.height - 2 * stock.margin:
             raise FieldError(
-                f"strips with their labels are {top - bottom:.4g} mm high, more than a sheet of "
-                f"{stock.height:g} mm leaves between its margins"
+                f"strips {tall:.4g} mm high do not fit on a sheet {stock.height:g} mm high with margins of "
+                f"{stock.margin:g} mm; take one of {math.ceil(tall + 2 * stock.margin)} mm or more"
             )
-        if down and down + stock.gap + top - bottom > stock.height - 2 * stock.margin:
+        if _length(each) > stock.room + 1e-9:
+            raise FieldError(
+                f"a strip of {_length(each):.6g} mm does not fit on a sheet that leaves {stock.room:.6g} mm; "
+                f"take one of {math.ceil(_length(each) + 2 * stock.margin)} mm or more"
+            )
+    longest = max(_length(each) for each in drawings)
+    if math.isfinite(stock.room) and not stock.roll:
+        return _sheets(drawings, stock, stock.room)
+    if not math.isfinite(stock.height):
+        return _sheets(drawings, stock, longest)
+    # Along a roll rows are as long as they must be to lie side by side, but no longer than the roll.
+    tall = max(each.extent.top - each.extent.bottom for each in drawings) + stock.gap
+    across = max(int((stock.height - 2 * stock.margin + stock.gap) / tall), 1)
+    room = max(longest, sum(_length(each) + stock.gap for each in drawings) / across)
+    while room < stock.room and len(_sheets(drawings, stock, room)) > 1:
+        room *= ROLL_STEP
+    return _sheets(drawings, stock, min(room, stock.room))
+
+
+def used_share(sheets: Sequence[Sheet], around: tuple[float, float] = (0.0, 0.0)) -> float:
+    """Which share of the sheets the strips take; of the last one counts what lies above its lowest strip.
+
+    Parameters
+    ----------
+    sheets : with what is cut from them
+    around : what the paper has more than a sheet in width and in height, mm
+    """
+    taken = sum(each.drawn.area for sheet in sheets for each in sheet.laid)
+    last = sheets[-1]
+    whole = sum((sheet.width + around[0]) * (sheet.height + around[1]) for sheet in sheets[:-1])
+    share = (last.height - last.lowest) / last.height
+    return float(taken / (whole + share * (last.width + around[0]) * (last.height + around[1])))
+
+
+ROLL_STEP = 1.02
+"""By this factor the rows along a roll are lengthened until they fit."""
+
+
+def _sheets(drawings: Sequence[Drawn], stock: Stock, room: float) -> tuple[Sheet, ...]:
+    """Lay rows of a length on sheets, in their order."""
+    sheets: list[list[Laid]] = [[]]
+    down, number = 0.0, 0
+    for row in _rows(drawings, room, stock.gap):
+        top = max(drawings[k].extent.top for k in row)
+        bottom = min(drawings[k].extent.bottom for k in row)
+        if number and down + stock.gap + top - bottom > stock.height - 2 * stock.margin + 1e-9:
             sheets.append([])
-            down = 0.0
-        down += stock.gap if down else 0.0
+            down, number = 0.0, 0
+        down += stock.gap if number else 0.0
+        number += 1
         x = stock.margin
-        for k in row_of:
+        for k in row:
             left = drawings[k].extent.left
-            sheets[-1].append(Laid(drawings[k], x - left, -(stock.margin + down + top)))
+            sheets[-1].append(Laid(drawings[k], x - left, -(stock.margin + down + top), number))
             x += _length(drawings[k]) + stock.gap
         down += top - bottom
     height = stock.height if math.isfinite(stock.height) else down + 2 * stock.margin
@@ -127,6 +168,51 @@ def nested(drawings: Sequence[Drawn], stock: Stock) -> tuple[Sheet, ...]:
     return tuple(
         Sheet(width, height, tuple(each._replace(y=each.y + height) for each in laid)) for laid in sheets
     )
+
+
+def _rows(drawings: Sequence[Drawn], room: float, gap: float) -> list[list[int]]:
+    """Which pieces lie in a row, sorted by family and number."""
+    rows: list[list[int]] = []
+    for family in sorted({each.family for each in drawings}):
+        own = sorted((k for k in range(len(drawings)) if drawings[k].family == family), key=_by(drawings))
+        spliced = [k for k in own if drawings[k].piece.total > 1]
+        whole = [k for k in own if drawings[k].piece.total == 1]
+        found = [[k] for k in spliced]
+        left = [room - _length(drawings[k]) for k in spliced]
+        for k in sorted(whole, key=lambda k: -_length(drawings[k])):
+            need = _length(drawings[k]) + gap
+            # The row that it fills best.
+            fitting = [(left[r], r) for r in range(len(found)) if left[r] >= need - 1e-9]
+            if fitting:
+                r = min(fitting)[1]
+                found[r].append(k)
+                left[r] -= need
+            else:
+                found.append([k])
+                left.append(room - _length(drawings[k]))
+        rows += sorted(found, key=lambda row: _by(drawings)(row[0]))
+    return _merged(rows, drawings, room, gap)
+
+
+def _merged(rows: list[list[int]], drawings: Sequence[Drawn], room: float, gap: float) -> list[list[int]]:
+    """Move a row as a whole to the end of an earlier one that has room for it."""
+    kept: list[list[int]] = []
+    left: list[float] = []
+    for row in rows:
+        need = sum(_length(drawings[k]) + gap for k in row)
+        first = next((r for r in range(len(kept)) if left[r] >= need - 1e-9), None)
+        if first is None or drawings[row[0]].piece.total > 1:
+            kept.append(row)
+            left.append(room + gap - need)
+        else:
+            kept[first] += row
+            left[first] -= need
+    return kept
+
+
+def _by(drawings: Sequence[Drawn]) -> Callable[[int], tuple[int, int, int]]:
+    """The order in which a person looks for pieces: family, number, piece."""
+    return lambda k: (drawings[k].family, drawings[k].number, drawings[k].piece.number)
 
 
 def _length(drawing: Drawn) -> float:

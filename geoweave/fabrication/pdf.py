@@ -6,20 +6,21 @@ import io
 import math
 from collections.abc import Sequence
 from os import PathLike
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import INK, Colours, ink, mixed
 from geoweave.fabrication.marks import outline
 from geoweave.fabrication.nesting import Sheet, Stock, nested
 from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.sheet_sizes import Paper
 from geoweave.fabrication.strip_figures import LAYERS, ROLES, Drawn, Figure
 from geoweave.files import replacing
 
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
 
-__all__ = ["PAPERS", "RULER", "Paper", "laid_on_pages", "page_stock", "pdf_bytes", "write_pdf"]
+__all__ = ["RULER", "laid_on_pages", "page_stock", "pdf_bytes", "write_pdf"]
 
 MM = 72 / 25.4
 """Points in a millimetre."""
@@ -30,18 +31,6 @@ MARGIN, FOOT, CROSS = 12.0, 21.0, 7.0
 
 RULER = (14.0, 20.0, 100.0)
 """Where the ruler begins and how long it is, mm."""
-
-
-class Paper(NamedTuple):
-    """A page, laid on its long side, mm."""
-
-    name: str
-    width: float
-    height: float
-
-
-PAPERS = {"a4": Paper("A4", 297.0, 210.0), "letter": Paper("US Letter", 279.4, 215.9)}
-"""The papers there are."""
 
 
 def page_stock(paper: Paper) -> Stock:
@@ -69,7 +58,7 @@ def write_pdf(
     path : of the file
     pattern : the strips
     pages : what lies on each page
-    paper : that the pages were laid out for, one of `PAPERS`
+    paper : that the pages were laid out for, one of `geoweave.fabrication.PAPERS`
     colours : of the families
     title : stands on each page
 

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.pattern import Passage, Pattern
+from geoweave.fabrication.presets import LABELS, Labels
 
-__all__ = ["Join", "Making", "Piece", "cut_length", "pieces_of", "shown"]
+__all__ = ["Join", "Making", "Piece", "cut_length", "holes_of", "pieces_of", "shown"]
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,11 @@ class Making:
     overlap : length by which two pieces of one strip lie on each other, and of the tab of a closed ribbon
     extra : added beyond each end of an open ribbon
     kerf : width of the cut; outlines are drawn half of it outside, so that the strip comes out as it should
+    holes : diameter of a hole at every crossing, for rivets, eyelets or brads; 0 for none. Drawn smaller by
+        the kerf, so that the hole comes out as it should
+    score : whether both edges have a nick at every crossing
+    labels : names "engraved" as lines, "printed" as letters of a font, or "none"
+    mirror : whether strips are drawn as seen from the inside of the object, to be printed there
 
     Raises
     ------
@@ -31,9 +37,16 @@ class Making:
     overlap: float = 15.0
     extra: float = 0.0
     kerf: float = 0.0
+    holes: float = 0.0
+    score: bool = False
+    labels: Labels = "engraved"
+    mirror: bool = False
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
+        if self.labels not in LABELS:
+            raise FieldError(f"names on strips are {', '.join(LABELS)}; not '{self.labels}'")
+        for name in ("overlap", "extra", "kerf", "holes"):
+            value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0):
                 raise FieldError(f"the {name} of strips must be 0 mm or more, not {value}")
         if self.overlap < 1:
@@ -76,6 +89,18 @@ class Piece(NamedTuple):
         return self.end - self.start
 
 
+def _spans(low: float, high: float, count: int, room: float, overlap: float) -> list[tuple[float, float]]:
+    """Where the pieces of a strip begin and end."""
+    if count == 1:
+        return [(low, high)]
+    step = room - overlap
+    starts = [low + k * step for k in range(count)]
+    # A join needs an overlap at both ends and something between them.
+    starts[-1] = max(min(starts[-1], high - 3 * overlap), starts[-2] + overlap)
+    ends = [start + overlap for start in starts[1:]] + [high]
+    return list(zip(starts, ends, strict=True))
+
+
 def cut_length(pattern: Pattern, making: Making, strip: int) -> float:
     """Length of a strip with what is added at its ends, mm."""
     low, high = _ends(pattern, making, strip)
@@ -83,7 +108,9 @@ def cut_length(pattern: Pattern, making: Making, strip: int) -> float:
 
 
 def pieces_of(pattern: Pattern, making: Making, longest: float = math.inf) -> tuple[Piece, ...]:
-    """Cut every strip into as few pieces as a sheet allows, all those of one strip equally long.
+    """Cut every strip into as few pieces as a sheet allows: all as long as it is, but for the last.
+
+    The last is no shorter than three overlaps; what it needs for that comes from the one before.
 
     Parameters
     ----------
@@ -120,10 +147,7 @@ def pieces_of(pattern: Pattern, making: Making, longest: float = math.inf) -> tu
         count = max(math.ceil((high - low - overlap) / (room - overlap) - 1e-9), 1)
         if high - low <= room:
             count = 1
-        size = (high - low + (count - 1) * overlap) / count
-        for k in range(count):
-            start = low + k * (size - overlap)
-            end = high if k == count - 1 else start + size
+        for k, (start, end) in enumerate(_spans(low, high, count, room, overlap)):
             joins = []
             if k or strip.closed:
                 name = f"{strip.label}={k or count}"
@@ -152,6 +176,19 @@ def shown(pattern: Pattern, piece: Piece, border: float) -> tuple[Passage, ...]:
             if (first or at >= behind) and piece.start <= at + 1e-9 and at <= ahead:
                 found.append(each._replace(at=at))
     return tuple(found)
+
+
+def holes_of(pattern: Pattern, piece: Piece, making: Making) -> tuple[float, ...]:
+    """Where a piece has holes, mm along the strip: wherever a part of the hole of a crossing lies on it.
+
+    In an overlap both pieces have the hole, so that it goes through both.
+    """
+    if not making.holes:
+        return ()
+    strip, reach = pattern.strips[piece.strip], 0.5 * making.holes
+    turns = (-strip.length, 0.0, strip.length) if strip.closed else (0.0,)
+    found = (each.at + turn for each in pattern.passages[piece.strip] for turn in turns)
+    return tuple(sorted(at for at in found if piece.start - reach < at < piece.end + reach))
 
 
 def _ends(pattern: Pattern, making: Making, strip: int) -> tuple[float, float]:

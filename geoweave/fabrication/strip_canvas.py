@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from geoweave.fabrication.marks import outline
 from geoweave.fabrication.pattern import Passage, Pattern
-from geoweave.fabrication.pieces import Making, Piece, shown
-from geoweave.fabrication.strip_figures import Figure, Role
+from geoweave.fabrication.pieces import Making, Piece, holes_of, shown
+from geoweave.fabrication.strip_figures import Figure, Role, Spot, Unwritten
 from geoweave.fabrication.stroke_font import PEN, Board, Box, text_box, text_strokes
 
-__all__ = ["StripCanvas", "text_room"]
+__all__ = ["StripCanvas", "text_room", "turned_room"]
 
-SMALLEST, LARGEST = 1.3, 4.5
-"""Height of letters, mm."""
+SMALLEST, LARGEST = 1.8, 4.5
+"""Height of capital letters, mm: smaller ones are not read at arm's length, nor engraved cleanly."""
 
 LETTERS = (0.34, 0.29, 0.25, 0.21)
 """Heights of letters that are tried, in widths of the strip."""
@@ -46,6 +46,9 @@ class StripCanvas:
     clear : boxes of writing, which guides leave free
     figures : what has been drawn
     passages : crossings on the piece, their places from its start
+    holes : places of holes from its start, those that its end cuts through too
+    key : crossings whose names find no room
+    named : whether the name of the strip found room
     """
 
     def __init__(self, pattern: Pattern, piece: Piece, making: Making) -> None:
@@ -63,9 +66,16 @@ class StripCanvas:
         self.board = Board(self.pad, self.length - self.pad, self.pad)
         self.clear: list[Box] = []
         self.figures: list[Figure] = []
+        side = -1.0 if making.mirror else 1.0
         self.passages = [
-            each._replace(at=each.at - piece.start) for each in shown(pattern, piece, self.radius + self.pad)
+            each._replace(at=each.at - piece.start, angle=side * each.angle)
+            for each in shown(pattern, piece, self.radius + self.pad)
         ]
+        self.key: list[Unwritten] = []
+        self.named = True
+        self.holes = [at - piece.start for at in holes_of(pattern, piece, making)]
+        for at in self.holes:
+            self.take(Box(at, 0.0, at, 0.0).grown(0.5 * making.holes))
 
     def add(
         self,
@@ -86,7 +96,17 @@ class StripCanvas:
         """Draw the mark of a crossing: hollow where this strip goes over, solid where it goes under."""
         family = self.pattern.strips[each.partner].family
         role: Role = "hollow" if each.over else "solid"
-        self.add(role, [radius * outline(each.mark) + [x, y]], True, family, crossing=each.crossing)
+        self.figures.append(
+            Figure(
+                role,
+                (radius * outline(each.mark) + [x, y],),
+                True,
+                family,
+                crossing=each.crossing,
+                spot=Spot(x, y, radius),
+                mark=each.mark,
+            )
+        )
 
     def take(self, box: Box) -> None:
         """Keep others out of a box, and guides too."""
@@ -94,13 +114,33 @@ class StripCanvas:
         self.clear.append(box.grown(0.5 * self.pad))
 
     def write(
-        self, role: Role, text: str, height: float, x: float, y: float, family: int, crossing: int = -1
+        self,
+        role: Role,
+        text: str,
+        spot: Spot,
+        family: int,
+        crossing: int = -1,
     ) -> None:
-        """Draw a text about a point, with letters of a height."""
-        strokes, _ = text_strokes(text, height, x, y)
-        self.figures.append(Figure(role, strokes, False, family, text, crossing, PEN * height))
+        """Write a text about a point, with letters of a height; a turned one reads upwards."""
+        strokes, _ = text_strokes(text, spot.size, 0.0, 0.0)
+        if spot.turn:
+            strokes = tuple(np.stack([-each[:, 1], each[:, 0]], axis=1) for each in strokes)
+        paths = tuple(each + [spot.x, spot.y] for each in strokes)
+        printed = self.making.labels == "printed"
+        pen = PEN * spot.size
+        self.figures.append(Figure(role, paths, False, family, text, crossing, pen, spot, printed=printed))
+
+    def unwritten(self, each: Passage, marked: bool) -> None:
+        """Put a crossing into the key."""
+        self.key.append(Unwritten(each.crossing, each.at, each.label, each.mark, each.over, marked))
 
 
 def text_room(text: str, height: float) -> Box:
     """What a text about the origin takes up, with half a gap between letters on either side."""
     return text_box(text, height).wider(0.12 * height)
+
+
+def turned_room(text: str, height: float) -> Box:
+    """The same for a text that reads upwards."""
+    left, bottom, right, top = text_room(text, height)
+    return Box(-top, left, -bottom, right)

@@ -2,25 +2,35 @@
 
 At each crossing the edges of the partner are drawn at the angle at which it crosses. A strip that goes under
 has them doubled, its mark is solid and the partner's colour lies on it; a strip that goes over has them
-dashed and a hollow mark. Guides leave room for text. What finds no room inside stands beside the strip, with
-a line to its place.
+dashed and a hollow mark. Guides leave room for text. Nothing stands beside the strip, where it would be cut
+off: what finds no room inside is listed in `Drawn.key`.
 """
 
 from __future__ import annotations
+
+import math
+import re
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geoweave.fabrication.clipping import clipped, dashes, outside, rectangle, within
+from geoweave.fabrication.marks import circle
 from geoweave.fabrication.pattern import Passage, Pattern
 from geoweave.fabrication.pieces import Making, Piece
 from geoweave.fabrication.strip_canvas import StripCanvas
-from geoweave.fabrication.strip_figures import Drawn
+from geoweave.fabrication.strip_figures import Drawn, Figure, Spot
 from geoweave.fabrication.strip_labels import write_labels, write_names
 from geoweave.fabrication.strip_marks import place_marks
 from geoweave.fabrication.stroke_font import Box, boxes_overlap
 
-__all__ = ["drawn"]
+__all__ = ["drawn", "number_of"]
+
+NICK = (0.12, 1.2)
+"""How deep a nick goes into the edge: a share of the width, and at most so many mm."""
+
+HOLE_POINTS = 32
+"""Corners of a hole where a file knows no circles."""
 
 SHALLOW = 0.3
 """Sine of the angle of a crossing below which no arrow shows where the partner leaves the strip."""
@@ -34,11 +44,6 @@ def drawn(pattern: Pattern, piece: Piece, making: Making) -> Drawn:
     pattern : the strips
     piece : which part of which strip, one of `pieces_of`
     making : how strips are cut
-
-    Raises
-    ------
-    FieldError
-        If crossings are so dense that their labels find no place even beside the strip.
 
     Examples
     --------
@@ -57,27 +62,55 @@ def drawn(pattern: Pattern, piece: Piece, making: Making) -> Drawn:
     write_labels(canvas, placed)
     # Writing takes its room first, but it is drawn above what lies under it.
     writing, canvas.figures = canvas.figures, []
-    _body(canvas)
+    outline = _body(canvas)
     for each in canvas.passages:
         _guides(canvas, each)
     figures = (*canvas.figures, *writing)
-    points = np.concatenate([path for figure in figures for path in figure.paths])
-    low, high = points.min(axis=0), points.max(axis=0)
-    return Drawn(piece, figures, Box(float(low[0]), float(low[1]), float(high[0]), float(high[1])))
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    x, y = outline.T
+    return Drawn(
+        piece,
+        figures,
+        Box(float(low[0]), float(low[1]), float(high[0]), float(high[1])),
+        canvas.strip.family,
+        number_of(canvas.strip.label, piece.strip),
+        0.5 * float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1))),
+        tuple(canvas.key),
+        canvas.named,
+        min((f.spot.size for f in writing if f.text and f.spot is not None), default=math.inf),
+    )
 
 
-def _body(canvas: StripCanvas) -> None:
-    """Colour, outline, and where strips end and overlap."""
+def number_of(label: str, otherwise: int) -> int:
+    """The number in the name of a strip, such as 12 of A12."""
+    found = re.search(r"\d+$", label)
+    return int(found[0]) if found else otherwise
+
+
+def _body(canvas: StripCanvas) -> NDArray[np.float64]:
+    """Colour, folds, nicks, holes, and the outline, which is returned."""
     out, half = 0.5 * canvas.making.kerf, canvas.edge + 0.5 * canvas.making.kerf
     whole = rectangle(0.0, canvas.length, canvas.edge)
     canvas.add("ground", [whole], True)
-    canvas.add("outline", [rectangle(-out, canvas.length + out, half)], True)
+    outline = rectangle(-out, canvas.length + out, half)
+    canvas.add("outline", [outline], True)
     folds = [each.low if each.ahead else each.high for each in canvas.piece.joins]
     if not canvas.strip.closed and canvas.making.extra:
         folds += [0.0, canvas.strip.length]
     lines = [np.array([[x, -canvas.edge], [x, canvas.edge]]) for x in np.array(folds) - canvas.piece.start]
     inner = [each for each in lines if 1e-9 < each[0, 0] < canvas.length - 1e-9]
     canvas.add("fold", [part for each in inner for part in outside(each, canvas.clear)], False)
+    if canvas.making.score:
+        deep = canvas.edge - min(NICK[0] * canvas.width, NICK[1])
+        for each in canvas.passages:
+            nicks = [np.array([[each.at, s * canvas.edge], [each.at, s * deep]]) for s in (1, -1)]
+            canvas.add("nick", nicks, False, crossing=each.crossing)
+    radius = 0.5 * (canvas.making.holes - canvas.making.kerf)
+    ring = radius * circle(HOLE_POINTS)
+    for at in canvas.holes:
+        hole = Figure("hole", (ring + [at, 0.0],), True, canvas.strip.family, spot=Spot(at, 0.0, radius))
+        canvas.figures.append(hole)
+    return outline
 
 
 def _headings(canvas: StripCanvas) -> None:
@@ -123,6 +156,6 @@ def _guides(canvas: StripCanvas, each: Passage) -> None:
             base = middle + sign * offset * left
             seen = within(base - far, base + far, canvas.length, canvas.edge)
             if seen is not None:
-                parts = dashes(*seen, min(0.1 * canvas.width, 1.2)) if each.over else [np.array(seen)]
+                parts = dashes(*seen, min(0.22 * canvas.width, 2.5)) if each.over else [np.array(seen)]
                 lines += [part for dash in parts for part in outside(dash, canvas.clear)]
     canvas.add("over" if each.over else "under", lines, False, family, "", each.crossing)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -19,16 +20,18 @@ from geoweave.fabrication.dxf import write_dxf
 from geoweave.fabrication.flattening import WeaveLike, free_end, pattern_of, trimmed, weave_document
 from geoweave.fabrication.glb import write_glb
 from geoweave.fabrication.guide_page import guide_html
+from geoweave.fabrication.making_limits import check_made
 from geoweave.fabrication.nesting import Sheet, Stock, nested
 from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.pdf import PAPERS, laid_on_pages, page_stock, write_pdf
+from geoweave.fabrication.pdf import laid_on_pages, page_stock, write_pdf
 from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.sheet_sizes import PAPERS, paper_of
 from geoweave.fabrication.strip_drawing import drawn
 from geoweave.fabrication.strip_figures import Drawn
 from geoweave.fabrication.svg import write_svg
 from geoweave.files import Job, OutputError, check_writable, written_together
 
-__all__ = ["Bench", "StripLayout", "layout"]
+__all__ = ["Bench", "StripLayout", "layout", "media_of"]
 
 MOST_SHEETS = 400
 """Pages or sheets that are still written."""
@@ -46,6 +49,8 @@ class Bench:
     colours : of SVG and DXF
     paper_colours : of the pages, the GLB and the guide
     title : what the drawings are called
+    papers : of the pages, names of `PAPERS`
+    density : of the material, g/cm3
 
     Examples
     --------
@@ -61,6 +66,16 @@ class Bench:
     colours: Colours = field(default_factory=Colours)
     paper_colours: Colours = field(default_factory=lambda: Colours("paper"))
     title: str = "weave"
+    papers: tuple[str, ...] = ("a4", "letter")
+    density: float = 0.8
+
+    def __post_init__(self) -> None:
+        for name in self.papers:
+            paper_of(name)
+        if not (math.isfinite(self.stock_length) and self.stock_length > 0):
+            raise FieldError(f"the stock length must be a positive number of mm, not {self.stock_length}")
+        if not (math.isfinite(self.density) and self.density > 0):
+            raise FieldError(f"the density must be a positive number of g/cm3, not {self.density}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +86,8 @@ class StripLayout:
     ----------
     pattern : the strips
     bench : how they are made
+    media : what is written, of "sheet", "stock" and the names of papers: each strip is cut into the same
+        pieces in all files of a run, the longest that fit on all of them
     space : the weave as it will stand, as the contents of its ``weave.json`` or ``relaxed.json``; a pattern
         alone does not know where its ribbons are in space, and then there is no GLB and no guide. Of its
         ribbons the GLB and the guide show what the strips have of them
@@ -83,11 +100,28 @@ class StripLayout:
     pattern: Pattern
     bench: Bench = field(default_factory=Bench)
     space: Mapping[str, Any] | None = None
+    media: tuple[str, ...] = ("sheet",)
 
     @cached_property
     def order(self) -> tuple[Step, ...]:
         """In which order the strips are woven."""
         return assembly(self.pattern)
+
+    @cached_property
+    def drawings(self) -> tuple[Drawn, ...]:
+        """The pieces that are cut, drawn.
+
+        Raises
+        ------
+        FieldError
+            If they cannot be made; the text says which number would work.
+        """
+        making, stock = self.bench.making, self.bench.stock
+        check_made(self.pattern, making, stock)
+        rooms = {"sheet": stock.room, "stock": self.bench.stock_length}
+        rooms |= {name: page_stock(PAPERS[name]).room for name in PAPERS}
+        longest = min(rooms[medium] for medium in self.media)
+        return tuple(drawn(self.pattern, piece, making) for piece in pieces_of(self.pattern, making, longest))
 
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:
@@ -96,22 +130,22 @@ class StripLayout:
         Raises
         ------
         FieldError
-            If strips do not fit on the sheets, their crossings are too dense to be labelled, or there are
-            too many sheets.
+            If strips do not fit on the sheets, or there are too many sheets.
         """
-        stock = self.bench.stock
-        return _few(nested(self._drawings(stock.room), stock))
+        return _few(nested(self.drawings, self.bench.stock))
 
     def pages(self, paper: str = "a4") -> tuple[Sheet, ...]:
-        """The strips nested on pages to print, ``"a4"`` or ``"letter"``.
+        """The strips nested on pages to print, one of `PAPERS`.
 
         Raises
         ------
         FieldError
             As for `sheets`.
         """
-        size = PAPERS[paper]
-        return _few(laid_on_pages(self._drawings(page_stock(size).room), size))
+        size = paper_of(paper)
+        if paper not in self.media:
+            return replace(self, media=(paper,)).pages(paper)
+        return _few(laid_on_pages(self.drawings, size))
 
     def document(self) -> dict[str, Any]:
         """The contents of ``pattern.json``: the pattern, how it is made, and the order of assembly."""
@@ -134,7 +168,7 @@ class StripLayout:
         Parameters
         ----------
         path : of the file, in a folder that is there
-        paper : of a PDF, ``"a4"`` or ``"letter"``
+        paper : of a PDF, one of `PAPERS`
 
         Returns
         -------
@@ -158,7 +192,8 @@ class StripLayout:
         if paper not in PAPERS:
             raise OutputError(f"there is no paper '{paper}'; the papers are {', '.join(PAPERS)}")
         check_writable(target)
-        jobs = self.pdf_files(target.stem, paper) if ending == ".pdf" else self.files(ending, target.stem)
+        alone = replace(self, media=media_of([_KINDS[ending]], (paper,)))
+        jobs = alone.pdf_files(target.stem, paper) if ending == ".pdf" else alone.files(ending, target.stem)
         return tuple(written_together(jobs, target.parent).values())
 
     def files(self, ending: str, stem: str) -> dict[str, Job]:
@@ -189,10 +224,6 @@ class StripLayout:
                 f"these strips are not written, as they are those of another weave: "
                 f"{order_sentence(self.pattern.reordered)}; cut the weave as it was designed (--no-relax)"
             )
-
-    def _drawings(self, longest: float) -> list[Drawn]:
-        making = self.bench.making
-        return [drawn(self.pattern, piece, making) for piece in pieces_of(self.pattern, making, longest)]
 
     def _standing(self, what: str) -> Mapping[str, Any]:
         if self.space is None:
@@ -225,7 +256,8 @@ class StripLayout:
         return {f"{name}.dxf": job(sheet) for name, _, sheet in self._numbered(stem)}
 
     def _csv(self, stem: str) -> dict[str, Job]:
-        found = cut_list(self.pattern, self.bench.making, self.bench.stock_length)
+        pieces = [each.piece for each in self.drawings]
+        found = cut_list(self.pattern, self.bench.making, self.bench.stock_length, pieces)
         return {f"{stem}.csv": _text(found.text(self.pattern, self.order))}
 
     def _json(self, stem: str) -> dict[str, Job]:
@@ -250,6 +282,31 @@ _WRITERS: dict[str, Callable[[StripLayout, str], dict[str, Job]]] = {
     ".glb": StripLayout._glb,
     ".html": StripLayout._html,
 }
+
+
+_KINDS = {
+    ".svg": "svg",
+    ".dxf": "dxf",
+    ".pdf": "pdf",
+    ".csv": "csv",
+    ".json": "pattern",
+    ".glb": "glb",
+    ".html": "guide",
+}
+"""Ending of the files of each format."""
+
+
+def media_of(formats: Iterable[str], papers: Sequence[str]) -> tuple[str, ...]:
+    """What files of some formats are cut from: pieces of strips must fit on all of it."""
+    found: list[str] = []
+    for name in formats:
+        if name in ("svg", "dxf"):
+            found.append("sheet")
+        elif name == "pdf":
+            found += papers
+        elif name == "csv":
+            found.append("stock")
+    return tuple(dict.fromkeys(found)) or ("sheet",)
 
 
 def layout(

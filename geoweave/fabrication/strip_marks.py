@@ -17,6 +17,10 @@ SHRUNK = (1.0, 0.8, 0.62)
 """Sizes of marks that are tried, as shares of the largest radius."""
 
 
+SMALLEST = 0.5
+"""The smallest size, for marks that would stand on others."""
+
+
 class Placed(NamedTuple):
     """A mark that was put down."""
 
@@ -75,9 +79,9 @@ def _cluster(canvas: StripCanvas, run: list[Passage]) -> list[Placed | None]:
     found: list[Placed | None] = []
     for each in run:
         free = None
-        for share in SHRUNK[1:]:
+        for share in (*SHRUNK, SMALLEST):
             radius = share * canvas.radius
-            for side in (0.0, 1.0, -1.0):
+            for side in (0.0, 1.0, -1.0, 0.5, -0.5):
                 spot = _spot(canvas, each, side * (canvas.inside - radius), radius)
                 if free is None and canvas.board.free(spot.box):
                     free = spot

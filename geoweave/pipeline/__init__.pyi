@@ -1,4 +1,6 @@
 from .batch import sweep as sweep
+from .cut_request import CutRequest as CutRequest
+from .cutting import CutFiles as CutFiles, cut_folder as cut_folder
 from .design import WovenFiles as WovenFiles, weave_file as weave_file
 from .field_arrays import (
     FieldOfFile as FieldOfFile,

@@ -8,9 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from geoweave.fabrication import MeasuredStrips, Pattern
-    from geoweave.rods import Relaxed
-    from geoweave.weave import Weave
+    from geoweave.fabrication import MeasuredStrips, Pattern, WeaveLike
 
 __all__ = ["CutStrips", "strips_of"]
 
@@ -57,7 +55,7 @@ class CutStrips:
         }
 
 
-def strips_of(weave: Weave, relaxed: Relaxed | None) -> CutStrips:
+def strips_of(weave: WeaveLike, relaxed: WeaveLike | None, end: float | None = None) -> CutStrips:
     """The strips to be cut of a weave.
 
     They have the lengths at rest as long as their crossings follow each other as in the design. Where ribbons
@@ -67,22 +65,23 @@ def strips_of(weave: Weave, relaxed: Relaxed | None) -> CutStrips:
 
     Parameters
     ----------
-    weave : the design, in mm
-    relaxed : the weave at rest, if it was relaxed
+    weave : the design, in mm, or the contents of its ``weave.json``
+    relaxed : the weave at rest, if it was relaxed, or the contents of its ``relaxed.json``
+    end : what an open strip keeps beyond its outermost crossings, mm; four widths if not given
 
     Raises
     ------
     FieldError
         If the weave is not in mm.
     """
-    from geoweave.fabrication import free_end, pattern_of
+    from geoweave.fabrication import free_end, pattern_of, weave_document
     from geoweave.twin import contradictions_of, surface_of
 
-    end = free_end(weave)
+    end = free_end(weave) if end is None else end
     designed = pattern_of(weave, end=end)
     if relaxed is None:
         return CutStrips(designed, designed, None, 0)
-    lies = relaxed.document()
+    lies = weave_document(relaxed, "relaxed.json")
     strips = pattern_of(lies, "relaxed.json", end=end)
     slipped = len(strips.reordered) or sum(each.plain for each in contradictions_of(surface_of(strips)))
     if slipped:

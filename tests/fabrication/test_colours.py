@@ -24,7 +24,13 @@ def test_a_laser_sees_one_colour_per_layer() -> None:
         if look is not None:
             seen.setdefault(ROLES[role], set()).add(look.stroke)
             assert look.fill is None or role == "solid"
-    assert seen == {"cut": {"#ff0000"}, "score": {"#123456"}, "guide": {"#009a3e"}, "label": {"#000000"}}
+    assert seen == {
+        "cut": {"#ff0000"},
+        "hole": {"#ff00ff"},
+        "score": {"#123456"},
+        "guide": {"#009a3e"},
+        "label": {"#000000"},
+    }
 
 
 def test_paper_shows_families_and_over_differs_from_under() -> None:

@@ -42,7 +42,10 @@ def test_pattern_json_is_read_back_with_its_order(tmp_path: Path) -> None:
     content = json.loads(files["pattern.json"].read_text(encoding="utf-8"))
     pattern = Pattern.from_document(content)
     assert pattern.document() == patterns()["flat"].document()
-    assert content["making"] == {"overlap": 9.0, "extra": 0.0, "kerf": 0.0}
+    assert content["making"] == {
+        **vars(Making()),
+        "overlap": 9.0,
+    }
     assert sorted(step["strip"] for step in content["assembly"]) == list(range(12))
     assert sorted(x for step in content["assembly"] for x in step["crossings"]) == list(
         range(len(pattern.at))

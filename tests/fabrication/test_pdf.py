@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import INK, Colours
 from geoweave.fabrication.nesting import Sheet
-from geoweave.fabrication.pdf import CROSS, PAPERS, RULER, Paper, laid_on_pages, page_stock, pdf_bytes
+from geoweave.fabrication.pdf import CROSS, RULER, laid_on_pages, page_stock, pdf_bytes
 from geoweave.fabrication.pieces import Making, Piece, pieces_of
+from geoweave.fabrication.sheet_sizes import PAPERS, Paper
 from geoweave.fabrication.strip_drawing import drawn
 
 MM = 72 / 25.4

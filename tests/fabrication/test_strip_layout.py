@@ -31,8 +31,9 @@ SAME = {
 @pytest.mark.parametrize("name", SAME)
 def test_a_file_is_the_one_that_a_folder_gets(name: str, tmp_path: Path) -> None:
     kind, saved, paper = SAME[name]
-    files = write(patterns()["circles"], tmp_path / "all", [kind], weave=circles())
-    (path,) = layout(circles()).save(tmp_path / saved, paper)
+    bench = Bench(papers=(paper,))
+    files = write(patterns()["circles"], tmp_path / "all", [kind], weave=circles(), bench=bench)
+    (path,) = layout(circles(), bench).save(tmp_path / saved, paper)
     assert path.name == Path(saved).with_suffix(Path(saved).suffix.lower()).name
     assert path.read_bytes() == files[name].read_bytes()
 
@@ -58,8 +59,8 @@ def test_refusals_name_what_is_missing(tmp_path: Path) -> None:
     laid = layout(flat())
     with pytest.raises(OutputError, match=r"one of \.svg, \.dxf, \.pdf"):
         laid.save(tmp_path / "weave.stl")
-    with pytest.raises(OutputError, match="no paper 'a3'"):
-        laid.save(tmp_path / "weave.pdf", paper="a3")
+    with pytest.raises(OutputError, match="no paper 'b5'"):
+        laid.save(tmp_path / "weave.pdf", paper="b5")
     with pytest.raises(OutputError, match="there is no folder"):
         laid.save(tmp_path / "away" / "weave.svg")
     with pytest.raises(FieldError, match="needs lengths in mm"):

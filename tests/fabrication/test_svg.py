@@ -53,10 +53,10 @@ def test_one_unit_is_a_millimetre() -> None:
 
 def test_layers_are_those_of_inkscape() -> None:
     for style, wanted in (
-        ("laser", ["cut", "score", "guide", "label"]),
-        ("paper", ["colour", "cut", "score", "guide", "label"]),
+        ("laser", ["guide", "label", "score", "hole", "cut"]),
+        ("paper", ["colour", "guide", "label", "score", "hole", "cut"]),
     ):
-        root = read("flat", Colours(style), Making(extra=4.0))
+        root = read("flat", Colours(style), Making(extra=4.0, holes=2.0))
         groups = root.findall(f"{SVG}g")
         assert [each.attrib["id"] for each in groups] == wanted
         assert [each.attrib[f"{INKSCAPE}label"] for each in groups] == wanted
