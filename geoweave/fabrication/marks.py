@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
 
-__all__ = ["MARKS", "assigned", "circle", "outline"]
+__all__ = ["DISC", "MARKS", "assigned", "circle", "outline"]
 
 MARKS = ("disc", "triangle", "square", "star", "hourglass", "plus", "needle", "half")
 """Names of the marks, the plainest first."""
+
+DISC = 0.86
+"""Radius of the disc in radii of a mark."""
 
 NEAR = 3
 """Crossings up to so many places apart on a ribbon get different marks where possible."""
@@ -97,7 +100,7 @@ def _round(first: float, last: float, count: int) -> NDArray[np.float64]:
 
 
 def _disc() -> NDArray[np.float64]:
-    return 0.86 * _round(0, 360, 33)[:-1]
+    return DISC * circle(32)
 
 
 def _triangle() -> NDArray[np.float64]:

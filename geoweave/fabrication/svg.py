@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
@@ -12,13 +13,24 @@ from xml.sax.saxutils import escape, quoteattr
 import numpy as np
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.colours import Colours, ink
+from geoweave.fabrication.colours import Colours, Ink, ink
+from geoweave.fabrication.marks import DISC, MARKS
 from geoweave.fabrication.nesting import Laid, Sheet
 from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure
+from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure, Spot
+from geoweave.fabrication.stroke_font import text_box
 from geoweave.files import replacing
 
 __all__ = ["MarkSeen", "read_svg", "svg_text", "write_svg"]
+
+STEP = 0.01
+"""Of the corners of letters, mm."""
+
+ROUND = MARKS.index("disc")
+"""The mark that is a circle."""
+
+CAPITAL = 0.72
+"""Height of a capital letter in heights of the font (Helvetica, Arial)."""
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" '
 
@@ -33,7 +45,11 @@ def write_svg(
 
 
 def svg_text(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> str:
-    """The text of the SVG: one user unit is one millimetre; ``data-`` attributes name strip and crossing."""
+    """The text of the SVG: one user unit is one millimetre; ``data-`` attributes name strip and crossing.
+
+    Layers come in the order in which a machine works. What most of a layer has in common is said once, of the
+    layer. Holes and round marks are circles.
+    """
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         (
@@ -45,44 +61,89 @@ def svg_text(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> st
     ]
     shown = [(piece, piece.figures) for piece in sheet.laid]
     for layer in LAYERS:
-        inner: list[str] = []
-        for piece, figures in shown:
-            paths = [
-                line
-                for figure in figures
-                if ROLES[figure.role] == layer and (line := _path(figure, colours, sheet.height))
-            ]
-            if paths:
-                inner += [f'<g id="{layer}-{_name(pattern, piece)}">', *paths, "</g>"]
-        if inner:
-            lines += [
-                f'<g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}">',
-                *inner,
-                "</g>",
-            ]
+        drawn = [
+            (piece, [(each, look) for each, look in looks if look is not None])
+            for piece, figures in shown
+            if (looks := [(each, ink(each, colours)) for each in figures if ROLES[each.role] == layer])
+        ]
+        count = Counter((look.stroke, look.width) for _, looks in drawn for _, look in looks)
+        if not count:
+            continue
+        usual = count.most_common(1)[0][0]
+        lines.append(f'<g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}"{_stroke(*usual)}>')
+        for piece, looks in drawn:
+            if looks:
+                lines.append(f'<g id="{layer}-{_name(pattern, piece)}">')
+                lines += [_element(each, look, usual, sheet.height) for each, look in looks]
+                lines.append("</g>")
+        lines.append("</g>")
     return "\n".join([*lines, "</svg>"]) + "\n"
 
 
-def _path(figure: Figure, colours: Colours, height: float) -> str:
-    look = ink(figure, colours)
-    if look is None:
-        return ""
-    data = " ".join(
-        "M"
-        + " L".join(f"{_number(x)},{_number(height - y)}" for x, y in path)
-        + (" Z" if figure.closed else "")
-        for path in figure.paths
-    )
-    fields = [f'class="{figure.role}"', f'd="{data}"']
-    if look.stroke is not None:
-        fields.append(f'stroke="{look.stroke}" stroke-width="{_number(look.width)}"')
+def _stroke(colour: str | None, width: float) -> str:
+    if colour is None:
+        return ' stroke="none"'
+    return f' stroke="{colour}" stroke-width="{_number(width)}"'
+
+
+def _element(figure: Figure, look: Ink, usual: tuple[str | None, float], height: float) -> str:
+    """A figure as an element; of what all of its layer has nothing is said."""
+    fields = [f'class="{figure.role}"']
+    if (look.stroke, look.width) != usual:
+        fields.append(_stroke(look.stroke, look.width).strip())
     if look.fill is not None:
         fields.append(f'fill="{look.fill}"')
     if figure.crossing >= 0:
         fields.append(f'data-crossing="{figure.crossing}"')
+    spot = figure.spot
+    if figure.text and figure.printed and spot is not None:
+        return _printed(figure, spot, look, height)
     if figure.text:
         fields.append(f"data-text={quoteattr(figure.text)}")
-    return f"<path {' '.join(fields)}/>"
+    if spot is not None and (figure.role == "hole" or figure.mark == ROUND):
+        size = spot.size if figure.role == "hole" else DISC * spot.size
+        x, y, radius = (_number(each) for each in (spot.x, height - spot.y, size))
+        return f'<circle {" ".join(fields)} cx="{x}" cy="{y}" r="{radius}"/>'
+    data = _relative(figure, height) if figure.text else _absolute(figure, height)
+    return f'<path {" ".join(fields)} d="{data}"/>'
+
+
+def _absolute(figure: Figure, height: float) -> str:
+    """Places of the corners; a pair that follows another one without a letter is a line to it."""
+    return "".join(
+        "M" + " ".join(f"{_number(x)},{_number(height - y)}" for x, y in path.tolist()) + "Z" * figure.closed
+        for path in figure.paths
+    )
+
+
+def _relative(figure: Figure, height: float) -> str:
+    """Strokes of letters, each from its first point on by steps of `STEP`, which add up without an error."""
+    found = []
+    for path in figure.paths:
+        points = np.rint(path * [1.0, -1.0] / STEP + [0.0, height / STEP]).astype(np.int64)
+        steps = np.diff(points, axis=0).tolist()
+        x, y = points[0].tolist()
+        found.append(f"M{_steps(x)},{_steps(y)}l" + " ".join(f"{_steps(u)},{_steps(v)}" for u, v in steps))
+    return "".join(found)
+
+
+def _steps(count: int) -> str:
+    """So many steps of `STEP` in mm, as short as it goes."""
+    return f"{count * STEP:.2f}".rstrip("0").rstrip(".").replace("0.", ".", 1 if abs(count * STEP) < 1 else 0)
+
+
+def _printed(figure: Figure, spot: Spot, look: Ink, height: float) -> str:
+    """A text in letters of a font, stretched to the width of its strokes."""
+    x, y = _number(spot.x), _number(height - spot.y)
+    box = text_box(figure.text, spot.size)
+    turn = f' transform="rotate({-spot.turn:g} {x} {y})"' if spot.turn else ""
+    crossing = f' data-crossing="{figure.crossing}"' if figure.crossing >= 0 else ""
+    return (
+        f'<text class="{figure.role}" x="{x}" y="{y}" dy="{_number(0.5 * spot.size)}"{turn}{crossing} '
+        f'font-family="Helvetica, Arial, sans-serif" font-size="{_number(spot.size / CAPITAL)}" '
+        f'text-anchor="middle" textLength="{_number(box.right - box.left)}" '
+        f'lengthAdjust="spacingAndGlyphs" stroke="none" fill="{look.stroke}">{escape(figure.text)}</text>'
+    )
 
 
 def _name(pattern: Pattern, laid: Laid) -> str:
@@ -92,8 +153,8 @@ def _name(pattern: Pattern, laid: Laid) -> str:
 
 
 def _number(value: float) -> str:
-    """Millimetres to a tenth of a micrometre, without trailing zeros."""
-    text = f"{value:.4f}".rstrip("0").rstrip(".")
+    """Millimetres to a micrometre, without trailing zeros."""
+    text = f"{value:.3f}".rstrip("0").rstrip(".")
     return "0" if text == "-0" else text
 
 
@@ -107,7 +168,8 @@ class MarkSeen(NamedTuple):
     role: str
     """"hollow" where the strip lies over, "solid" where it lies under."""
     outline: tuple[float, ...]
-    """x and y of its corners about their mean, in heights of the mark: the same at any place and size."""
+    """x and y of its corners about their mean, in heights of the mark: the same at any place and size.
+    Nothing for a circle."""
 
 
 def read_svg(path: str | PathLike[str]) -> tuple[dict[str, float], tuple[MarkSeen, ...]]:
@@ -147,11 +209,17 @@ def read_svg(path: str | PathLike[str]) -> tuple[dict[str, float], tuple[MarkSee
     for group in root.iter(f"{space}g"):
         layer, _, strip = group.get("id", "").partition("-")
         for each in group.findall(f"{space}path"):
-            points = np.array(re.findall(r"-?[0-9.]+", each.get("d", "")), dtype=np.float64).reshape(-1, 2)
             role = each.get("class", "")
+            if role not in ("outline", "hollow", "solid"):
+                continue
+            points = np.array(re.findall(r"-?[0-9.]+", each.get("d", "")), dtype=np.float64).reshape(-1, 2)
             if layer == "cut":
                 lengths[strip] = lengths.get(strip, 0.0) + float(np.ptp(points[:, 0]))
-            if role in ("hollow", "solid"):
+            else:
                 shape = np.round((points - points.mean(axis=0)) / np.ptp(points[:, 1]), 1) + 0.0
                 marks[MarkSeen(int(each.get("data-crossing", -1)), strip, role, tuple(shape.ravel()))] = None
+        for each in group.findall(f"{space}circle"):
+            role = each.get("class", "")
+            if role in ("hollow", "solid"):
+                marks[MarkSeen(int(each.get("data-crossing", -1)), strip, role, ())] = None
     return lengths, tuple(marks)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import Colours
-from geoweave.fabrication.marks import outline
+from geoweave.fabrication.marks import DISC, MARKS, outline
 from geoweave.fabrication.pieces import Making
 from geoweave.fabrication.stroke_font import Box, boxes_overlap
 from geoweave.fabrication.svg import read_svg, svg_text, write_svg
@@ -30,11 +30,22 @@ def read(name: str, colours: Colours | None = None, making: Making | None = None
 
 def paths(element: ElementTree.Element) -> list[NDArray[np.float64]]:
     """The subpaths of a path, y upwards."""
+    if element.tag == f"{SVG}circle":
+        x, y, r = (float(element.attrib[each]) for each in ("cx", "cy", "r"))
+        return [np.array([[x, -y]]) + r / DISC * outline(MARKS.index("disc"))]
     found = []
     for part in element.attrib["d"].split("M")[1:]:
-        numbers = [float(each) for each in re.findall(r"-?\d+\.?\d*", part)]
-        found.append(np.array(numbers).reshape(-1, 2) * [1, -1])
+        # after "l" come steps, not places
+        first, _, steps = part.partition("l")
+        points = _numbers(first)
+        if steps:
+            points = np.cumsum(np.concatenate([points, _numbers(steps)]), axis=0)
+        found.append(points * [1, -1])
     return found
+
+
+def _numbers(text: str) -> NDArray[np.float64]:
+    return np.array(re.findall(r"-?\d*\.?\d+", text), dtype=np.float64).reshape(-1, 2)
 
 
 def box(element: ElementTree.Element, pen: float) -> Box:
@@ -92,7 +103,7 @@ def test_crossings_are_where_they_belong_with_equal_marks(name: str) -> None:
                 seen.setdefault(x, []).append(each.attrib["class"])
                 (shape,), wanted = paths(each), outline(int(pattern.mark[x]))
                 size = np.ptp(shape[:, 0]) / np.ptp(wanted[:, 0])
-                np.testing.assert_allclose(shape - shape[0], size * (wanted - wanted[0]), atol=3e-4)
+                np.testing.assert_allclose(shape - shape[0], size * (wanted - wanted[0]), atol=2e-3)
     assert sorted(seen) == list(range(len(pattern.ribbons)))
     closed = {x for x, pair in enumerate(pattern.ribbons) if any(pattern.strips[r].closed for r in pair)}
     for x, roles in seen.items():
@@ -104,11 +115,14 @@ def test_crossings_are_where_they_belong_with_equal_marks(name: str) -> None:
 def test_texts_meet_no_mark_and_no_text(name: str) -> None:
     for style in ("laser", "paper"):
         boxes = []
-        for each in read(name, Colours(style)).iter(f"{SVG}path"):
-            if each.attrib["class"] in ("label", "name"):
-                boxes.append(box(each, float(each.attrib["stroke-width"])))
-            elif each.attrib["class"] in ("hollow", "solid"):
-                boxes.append(box(each, 0.0))
+        for layer in read(name, Colours(style)).findall(f"{SVG}g"):
+            for each in layer.iter():
+                # What most of a layer has in common is said of the layer.
+                pen = each.attrib.get("stroke-width", layer.attrib.get("stroke-width", "0"))
+                if each.attrib.get("class") in ("label", "name"):
+                    boxes.append(box(each, float(pen)))
+                elif each.attrib.get("class") in ("hollow", "solid"):
+                    boxes.append(box(each, 0.0))
         assert len(boxes) > 3
         assert not any(boxes_overlap(one, other) for one, other in combinations(boxes, 2))
 
