@@ -12,7 +12,6 @@ from .flattening import (
     trimmed as trimmed,
     weave_document as weave_document,
 )
-from .layout_numbers import layout_numbers as layout_numbers
 from .maker_files import (
     FORMATS as FORMATS,
     check_formats as check_formats,
@@ -23,6 +22,7 @@ from .maker_files import (
 )
 from .measured_strips import MeasuredStrips as MeasuredStrips, beside as beside, measured as measured
 from .nesting import Laid as Laid, Sheet as Sheet, Stock as Stock
+from .numbers_of_layout import layout_numbers as layout_numbers
 from .pattern import Pattern as Pattern
 from .pdf import FOOT as FOOT, MARGIN as MARGIN, write_pdf as write_pdf
 from .pieces import Making as Making, pieces_of as pieces_of

@@ -55,7 +55,7 @@ def guide_html(
     Raises
     ------
     FieldError
-        If the weave is not that of the pattern, or crossings are too dense to be labelled.
+        If the weave is not that of the pattern.
     OutputError
         If three.js is not to be had.
     """

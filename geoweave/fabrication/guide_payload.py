@@ -30,13 +30,7 @@ GRAIN = 0.02
 
 
 def drawings(pattern: Pattern, making: Making, colours: Colours) -> dict[str, Any]:
-    """The drawings of all strips, each in one piece, as they are cut.
-
-    Raises
-    ------
-    FieldError
-        If crossings are so dense that their labels find no place.
-    """
+    """The drawings of all strips, each in one piece, as they are cut."""
     inks: dict[Ink, int] = {}
     strips = []
     for piece in pieces_of(pattern, making):

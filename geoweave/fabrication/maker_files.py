@@ -73,7 +73,7 @@ def write(
     OutputError
         If a format is unknown, GLB or guide are asked for without a weave, or a file cannot be written there.
     FieldError
-        If strips do not fit on the sheets, their crossings are too dense to be labelled, or the weave is not
+        If strips do not fit on the sheets or cannot be made as asked for, or the weave is not
         that of the pattern.
 
     Examples

@@ -15,14 +15,24 @@ WALL = 0.5
 """A hole leaves so much of the strip on either side, mm, or the thickness of the strip if that is more."""
 
 
+NARROWEST = 0.5
+"""Narrower strips are not cut, mm."""
+
+
 def check_made(pattern: Pattern, making: Making, stock: Stock) -> None:
-    """Refuse holes that cut a strip in two, sheets narrower than a strip, and rolls that are too short.
+    """Refuse strips too narrow, holes that cut a strip in two, sheets too narrow, and rolls too short.
 
     Raises
     ------
     FieldError
         With the number that would work.
     """
+    if pattern.width < NARROWEST:
+        times = math.ceil(NARROWEST / pattern.width)
+        raise FieldError(
+            f"strips {pattern.width:.2g} mm wide cannot be cut; make the object {times} times as large, or "
+            f"its ribbons {NARROWEST:g} mm wide or more"
+        )
     _check_holes(pattern, making)
     tall = pattern.width + making.kerf
     if tall > stock.height - 2 * stock.margin:

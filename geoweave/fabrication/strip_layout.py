@@ -180,7 +180,7 @@ class StripLayout:
         OutputError
             If there is no format of that ending, or the file cannot be written there.
         FieldError
-            If strips do not fit on the sheets, or their crossings are too dense to be labelled.
+            If strips do not fit on the sheets, or cannot be made as asked for.
         """
         target = Path(path)
         ending = target.suffix.lower()
@@ -269,6 +269,7 @@ class StripLayout:
 
     def _html(self, stem: str) -> dict[str, Job]:
         space, bench = self._standing("guide"), self.bench
+        check_made(self.pattern, bench.making, bench.stock)
         text = guide_html(self.pattern, space, bench.making, bench.title, bench.paper_colours, self.order)
         return {f"{stem}.html": _text(text)}
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
@@ -61,11 +62,7 @@ def svg_text(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> st
     ]
     shown = [(piece, piece.figures) for piece in sheet.laid]
     for layer in LAYERS:
-        drawn = [
-            (piece, [(each, look) for each, look in looks if look is not None])
-            for piece, figures in shown
-            if (looks := [(each, ink(each, colours)) for each in figures if ROLES[each.role] == layer])
-        ]
+        drawn = [(piece, _inked(figures, layer, colours)) for piece, figures in shown]
         count = Counter((look.stroke, look.width) for _, looks in drawn for _, look in looks)
         if not count:
             continue
@@ -78,6 +75,12 @@ def svg_text(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> st
                 lines.append("</g>")
         lines.append("</g>")
     return "\n".join([*lines, "</svg>"]) + "\n"
+
+
+def _inked(figures: Iterable[Figure], layer: str, colours: Colours) -> list[tuple[Figure, Ink]]:
+    """The figures of a layer that are drawn, and how."""
+    looks = ((each, ink(each, colours)) for each in figures if ROLES[each.role] == layer)
+    return [(each, look) for each, look in looks if look is not None]
 
 
 def _stroke(colour: str | None, width: float) -> str:

@@ -153,5 +153,5 @@ class CutRequest:
         return {
             name: list(value) if isinstance(value, tuple) else value
             for name, value in given.items()
-            if value not in (None, False) and not (name in ("holes", "extra") and value == 0)
+            if value is not None and value is not False and not (name in ("holes", "extra") and value == 0)
         }

@@ -38,6 +38,12 @@ def test_holes_wider_than_a_strip() -> None:
     assert "take one of 0.4 mm or more" in refusal(Making(holes=0.2, kerf=0.3), Stock())
 
 
+def test_strips_too_narrow_to_cut() -> None:
+    text = refusal(Making(), Stock(), width=0.13)
+    assert "make the object 4 times as large" in text
+    check_made(replace(patterns()["flat"], width=4 * 0.13), Making(), Stock())
+
+
 def test_a_sheet_narrower_than_a_strip() -> None:
     text = refusal(Making(kerf=0.2), Stock(300.0, 15.0))
     pattern = patterns()["flat"]

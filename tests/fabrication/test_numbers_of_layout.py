@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from laidflat import NAMES, patterns
 
-from geoweave.fabrication.layout_numbers import layout_numbers
 from geoweave.fabrication.nesting import Stock
+from geoweave.fabrication.numbers_of_layout import layout_numbers
 from geoweave.fabrication.pieces import Making
 from geoweave.fabrication.strip_layout import Bench, StripLayout
 
