@@ -17,7 +17,13 @@ from .geodesic import (
     geodesic_field as geodesic_field,
     sharpening_schedule as sharpening_schedule,
 )
-from .index_pairs import Merged as Merged, Pair as Pair, merged_pairs as merged_pairs, moved as moved
+from .index_pairs import (
+    EdgePaths as EdgePaths,
+    Merged as Merged,
+    Pair as Pair,
+    merged_pairs as merged_pairs,
+    moved as moved,
+)
 from .operators import (
     ClosedFields as ClosedFields,
     as_complex as as_complex,

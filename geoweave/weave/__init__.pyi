@@ -16,6 +16,7 @@ from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged
 from .regularity import Regularity as Regularity
 from .ribbons import Ribbons as Ribbons
+from .singularity_search import Stage as Stage, searched as searched
 from .steering import (
     Singularity as Singularity,
     Steering as Steering,
