@@ -1,3 +1,10 @@
+from .alignment import (
+    Guide as Guide,
+    aligned_connection as aligned_connection,
+    aligned_rosy as aligned_rosy,
+    along_curve as along_curve,
+    along_direction as along_direction,
+)
 from .closed_projection import ClosedProjection as ClosedProjection, ordering_of as ordering_of
 from .connected_rosy import ConnectedRoSy as ConnectedRoSy
 from .face_field import (

@@ -1,7 +1,7 @@
 """A search over the singularities of a weave by the energy of its finished field (Section 6, future work).
 
-"Use our energy as a metric to power a search over the space of singularities": a trial moves index from vertex
-to vertex, finds the geodesic field on the new cover, and is kept or not by the energy that it ends with.
+"Use our energy as a metric to power a search over the space of singularities": a trial moves index from
+vertex to vertex, finds the geodesic field on the new cover, and is kept or not by the energy it ends with.
 """
 
 from __future__ import annotations
@@ -83,8 +83,8 @@ def searched(
 
     By turns the pair of opposite indices is merged that costs the least energy, of the nearest pairs, until
     so many branch points are left; then each branch point is moved to vertices near it, and stays where the
-    energy falls. What merging does to the energy is recorded, not bounded: the stages are a front of the number
-    of branch points against energy and curl.
+    energy falls. What merging does to the energy is recorded, not bounded: the stages are a front of the
+    number of branch points against energy and curl (DEVIATIONS.md, searched).
 
     Parameters
     ----------
