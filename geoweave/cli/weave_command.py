@@ -47,6 +47,11 @@ OPTIONS = (
         help="Where families of ribbons branch: lines x y z index, the index in N-ths (sixths) of a turn.",
     ),
     click.option(
+        "--align",
+        metavar="FILE",
+        help="What one family follows, softly: one line x y z for a direction, several for a curve.",
+    ),
+    click.option(
         "--merge",
         type=click.FloatRange(min=0),
         default=0.0,
@@ -85,6 +90,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
         ribbons: int | None,
         scale: float | None,
         singularities: str | None,
+        align: str | None,
         merge: float,
         size: float | None,
         width: float | None,
@@ -97,7 +103,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
         from geoweave.errors import FieldError
         from geoweave.pipeline import WeaveRequest, formats_of
-        from geoweave.weave import read_singularities
+        from geoweave.weave import read_guide, read_singularities
 
         names = tuple(name.strip().lower() for name in formats.split(","))
         try:
@@ -110,6 +116,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             ribbons=ribbons,
             scale=scale,
             singularities=None if singularities is None else read_singularities(singularities),
+            align=None if align is None else read_guide(align),
             merge=merge,
             size=size,
             width=width,
@@ -163,6 +170,7 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
     rows += [
         ("branch points", text_of(result["branch_points"])),
         *_prescribed(result.get("prescribed_singularities"), result["symmetry"]),
+        *_aligned(result.get("aligned_deg")),
         *_sizes(result, report, unit),
         ("crossings", text_of(result["crossings"])),
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
@@ -222,6 +230,13 @@ def _prescribed(found: dict[str, Any] | None, symmetry: int) -> list[tuple[str, 
     return [
         ("  prescribed", f"the finished field differs at {len(places)} points, first at ({where}): {other}")
     ]
+
+
+def _aligned(angle: float | None) -> list[tuple[str, str]]:
+    """How well the nearest family follows what it was asked to."""
+    return (
+        [] if angle is None else [("  aligned", f"{angle:.1f} degrees from the nearest family in the mean")]
+    )
 
 
 def _strips(strips: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:

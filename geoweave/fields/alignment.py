@@ -1,7 +1,7 @@
 """N-RoSys that softly follow a direction or a curve (Section 4.1.2: "alignment to user-prescribed handles").
 
-A guide says which number the RoSy should have on some faces, and how much that counts. It enters the Dirichlet
-energy as a penalty, so the RoSy may differ from it where that saves energy.
+A guide says which number the RoSy should have on some faces, and how much that counts. It enters the
+Dirichlet energy as a penalty, so the RoSy may differ from it where that saves energy.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import sparse
 
-from geoweave.arrays import Complexes, Scalars, Vectors
+from geoweave.arrays import Complexes, Indices, Scalars, Vectors
 from geoweave.errors import FieldError
 from geoweave.fields.connected_rosy import ConnectedRoSy, turns_of
 from geoweave.fields.face_field import unit
@@ -31,7 +31,7 @@ SAMPLES = 4
 """Points taken on each mean edge's length of a curve."""
 
 NEARLY = 0.99
-"""Share of the first eigenvalue that is taken from the energy: far from the guide the RoSy stays smoothest."""
+"""Share of the first eigenvalue taken from the energy, so that far from the guide the RoSy is smoothest."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,9 +57,15 @@ class Guide:
         """(F,) weight of ``|u - values|^2`` beside the Dirichlet energy, a number."""
         return np.asarray(self.weights / (SOFTNESS * self.mesh.bounding_radius) ** 2)
 
-    def deviation(self, vectors: Complexes) -> Scalars:
-        """(F,) angle between the wanted direction and the nearest of the given vectors (F, k), degrees."""
-        apart = np.angle(vectors**self.degree * self.values.conj()[:, None]) / self.degree
+    def deviation(self, vectors: Complexes, faces: Indices | None = None) -> Scalars:
+        """(n,) angle between the wanted direction and the nearest of the given vectors (n, k), degrees.
+
+        Parameters
+        ----------
+        faces : (n,) where the vectors are; all faces if not given
+        """
+        wanted = self.values if faces is None else self.values[faces]
+        apart = np.angle(vectors**self.degree * wanted.conj()[:, None]) / self.degree
         return np.asarray(np.degrees(np.abs(apart)).min(axis=1))
 
 
@@ -117,8 +123,8 @@ def aligned_rosy(guide: Guide, seed: int | np.random.Generator = 0) -> RoSyField
     """Find the smoothest N-RoSy that softly follows a guide.
 
     Solves ``(L - 0.99 mu M + P) u = P q`` and scales to modulus 1: the Dirichlet energy, the penalty P of the
-    guide's numbers q, and mu the first eigenvalue of each component. A penalty without the eigenvalue would let
-    the RoSy fade away from the guide, and turn as it must to fade.
+    guide's numbers q, and mu the first eigenvalue of each component. Without the eigenvalue the RoSy would
+    fade away from the guide, and turn as it must to fade.
 
     Parameters
     ----------
@@ -139,7 +145,9 @@ def aligned_rosy(guide: Guide, seed: int | np.random.Generator = 0) -> RoSyField
     penalty = guide.penalty
     laplacian = connection_laplacian(mesh, degree)
     shift = spectral_shift(areas) - NEARLY * np.maximum(energies, 0.0)[mesh.face_components]
-    factors = factorized(laplacian + sparse.diags_array(shift * areas + penalty), nested_dissection(laplacian))
+    factors = factorized(
+        laplacian + sparse.diags_array(shift * areas + penalty), nested_dissection(laplacian)
+    )
     return RoSyField(mesh, degree, unit(factors.solve((penalty * guide.values).astype(np.complex128))))
 
 
@@ -147,8 +155,8 @@ def aligned_rosy(guide: Guide, seed: int | np.random.Generator = 0) -> RoSyField
 def aligned_connection(rosy: RoSyField, guide: Guide) -> ConnectedRoSy:
     """Turn an N-RoSy towards a guide without moving its singularities.
 
-    ``argmin sum of weight_ij (phi_j - phi_i)^2 + sum of penalty_i (phi_i - a_i)^2``, a the angle from the RoSy
-    to the guide, in the branch that is nearest to phi; then ``u <- u exp(i phi)``.
+    ``argmin sum of weight_ij (phi_j - phi_i)^2 + sum of penalty_i (phi_i - a_i)^2``, a the angle from the
+    RoSy to the guide, in the branch that is nearest to phi; then ``u <- u exp(i phi)``.
 
     Raises
     ------

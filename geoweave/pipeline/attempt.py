@@ -167,7 +167,7 @@ def _designed(
         scale=request.scale,
         ribbons=request.ribbons,
         seed=seed,
-        steering=Steering(request.singularities, request.merge),
+        steering=Steering(request.singularities, request.merge, request.align),
         callback=lambda stage: say(f"weaving: {stage}"),
     )
     seconds |= weave.design.seconds

@@ -55,6 +55,8 @@ class WeaveRequest:
     """Whether the weave is relaxed to the shape that it takes (Appendix E)."""
     singularities: tuple[Singularity, ...] | None = None
     """All singularities, as `geoweave.weave.read_singularities` reads them; None leaves them free."""
+    align: tuple[tuple[float, float, float], ...] | None = None
+    """A direction, or points of a curve, that one family follows softly (`geoweave.weave.read_guide`)."""
     merge: float = 0.0
     """Pairs of singularities of opposite index no farther apart than so many spacings are merged."""
 

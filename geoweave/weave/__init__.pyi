@@ -20,6 +20,7 @@ from .singularity_search import Stage as Stage, searched as searched
 from .steering import (
     Singularity as Singularity,
     Steering as Steering,
+    read_guide as read_guide,
     read_singularities as read_singularities,
 )
 from .validity import violations as violations

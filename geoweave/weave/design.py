@@ -26,10 +26,10 @@ from geoweave.sparse import Ordering
 from geoweave.surface import Similarity, TriMesh
 from geoweave.weave import interlacing
 from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
-from geoweave.weave.kept_singularities import Displaced, displaced
+from geoweave.weave.kept_singularities import Met
 from geoweave.weave.ribbon_count import TRIES, nearest_scale
 from geoweave.weave.ribbons import Cutting, Ribbons, ribbons
-from geoweave.weave.steering import Steering, steered_rosy, steering_for
+from geoweave.weave.steering import Steering, steered_rosy, steering_for, steering_met
 from geoweave.weave.weave import THINNESS, Design, Weave, default_width
 
 __all__ = ["MOST_CROSSINGS", "WeaveField", "weave_curves", "weave_field", "weave_pattern"]
@@ -92,7 +92,7 @@ class WeaveField:
     frequency : how fast theta will turn at scale 1, area mean, radians / length
     ordering : of the systems that `foliate` solves, the same at every scale
     seconds : wall-clock seconds of each stage
-    displaced : of prescribed singularities, see `Design`
+    met : how far the field is what the steering asked for
     """
 
     mesh: TriMesh
@@ -106,7 +106,7 @@ class WeaveField:
     frequency: float
     ordering: Ordering
     seconds: dict[str, float]
-    displaced: tuple[Displaced, ...] | None = None
+    met: Met | None = None
 
     @property
     def families(self) -> int:
@@ -144,7 +144,7 @@ class WeaveField:
             scale=made.scale,
             tried=tried,
             seconds=stages.seconds,
-            displaced=self.displaced,
+            met=self.met,
         )
         weave = _interlaced(made.ribbons, made.families, design, self.placement, effort)
         stages.begin("")
@@ -272,7 +272,7 @@ def weave_field(
         float(np.average(turning, weights=w.mesh.face_areas)),
         ordering,
         stages.seconds,
-        None if wanted.singularities is None else displaced(cover, field),
+        steering_met(cover, field, placement, wanted),
     )
 
 

@@ -117,7 +117,7 @@ class Inspection:
             "crossing_angle_deg": metrics["crossing_angle_deg"],
             "alternation": metrics["alternation"],
             "regularity": self.regularity.document(),
-            **{key: metrics[key] for key in ("prescribed_singularities",) if key in metrics},
+            **{key: metrics[key] for key in ("prescribed_singularities", "aligned_deg") if key in metrics},
             "limits": {
                 "angle_deg": self.limits.angle,
                 "gap": self.limits.gap * spacing,

@@ -10,12 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from geoweave.arrays import Flags, Indices
+from geoweave.arrays import Complexes, Flags, Indices
 from geoweave.fields import FaceField, rotation_across, vertex_indices, windings
 from geoweave.surface import connected_components
 from geoweave.weave.cover import Cover
 
-__all__ = ["Displaced", "displaced"]
+__all__ = ["Displaced", "Met", "displaced", "lifted_vectors"]
 
 
 class Displaced(NamedTuple):
@@ -27,6 +27,22 @@ class Displaced(NamedTuple):
     """N times the index in the RoSy."""
     found: int
     """N times the index in the finished field: the sum of what its N vectors turn."""
+
+
+class Met(NamedTuple):
+    """How far the finished field is what was asked of it."""
+
+    displaced: tuple[Displaced, ...] | None = None
+    """Where it differs from prescribed singularities; None where none were prescribed."""
+    aligned: float | None = None
+    """Mean angle from the direction or curve to the nearest family, degrees; None without one."""
+
+
+def lifted_vectors(cover: Cover, field: FaceField) -> tuple[Indices, Complexes]:
+    """(F',) faces that were not cut out, and (F', N) the vectors there of a field on the quotient."""
+    quotient, count = cover.quotient, len(cover.part.faces)
+    values = quotient.signs * field.values[quotient.faces]
+    return cover.part.faces, values.reshape(cover.degree, count).T
 
 
 def displaced(cover: Cover, field: FaceField) -> tuple[Displaced, ...]:

@@ -15,17 +15,33 @@ import numpy as np
 
 from geoweave.arrays import Indices
 from geoweave.errors import FieldError
-from geoweave.fields import RoSyField, merged_pairs, prescribed_rosy, smoothest_rosy
-from geoweave.surface import Similarity, TriMesh
+from geoweave.fields import (
+    FaceField,
+    Guide,
+    RoSyField,
+    aligned_connection,
+    aligned_rosy,
+    along_curve,
+    along_direction,
+    merged_pairs,
+    prescribed_rosy,
+    smoothest_rosy,
+)
+from geoweave.surface import Similarity, TriMesh, closest_points, triangle_tree
+from geoweave.weave.cover import Cover
+from geoweave.weave.kept_singularities import Met, displaced, lifted_vectors
 
 __all__ = [
     "Singularity",
     "Steering",
     "expected_spacing",
+    "guide_of",
+    "read_guide",
     "read_singularities",
     "snapped",
     "steered_rosy",
     "steering_for",
+    "steering_met",
 ]
 
 PER_EDGE = 1.8
@@ -56,6 +72,7 @@ class Steering:
     Attributes
     ----------
     singularities : all of them; None for those of the smoothest RoSy
+    align : points of a curve that one family follows softly, or one point for a direction; None for neither
     merge : pairs of opposite index no farther apart than so many spacings are merged; 0 for none. What is
         prescribed is never merged
     spacing : between ribbons of the weave, in bounding radii; None for what is expected at scale 1
@@ -75,11 +92,18 @@ class Steering:
 
     singularities: tuple[Singularity, ...] | None = None
     merge: float = 0.0
+    align: tuple[Point, ...] | None = None
     spacing: float | None = None
 
     def __post_init__(self) -> None:
         if not 0 <= self.merge < math.inf:
             raise FieldError(f"pairs are merged within 0 spacings or more, not {self.merge:g}")
+        if self.align is not None and not np.any(
+            self.align if len(self.align) == 1 else np.diff(self.align, axis=0)
+        ):
+            raise FieldError(
+                "what a family is to follow has no length: give a direction, or points that are apart"
+            )
 
 
 def read_singularities(path: str | os.PathLike[str]) -> tuple[Singularity, ...]:
@@ -99,7 +123,7 @@ def read_singularities(path: str | os.PathLike[str]) -> tuple[Singularity, ...]:
     >>> from pathlib import Path
     >>> from geoweave.weave import read_singularities
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = Path(f"{folder}/poles.csv").write_text("x,y,z,index\\n0,0,1,6\\n0,0,-1,6\\n")
+    ...     _ = Path(f"{folder}/poles.csv").write_text("x,y,z,index\n0,0,1,6\\n0,0,-1,6\\n")
     ...     [each.numerator for each in read_singularities(f"{folder}/poles.csv")]
     [6, 6]
     """
@@ -120,6 +144,69 @@ def read_singularities(path: str | os.PathLike[str]) -> tuple[Singularity, ...]:
     if not found:
         raise FieldError(f"{name} holds no singularity; give a line x y z index for each")
     return tuple(found)
+
+
+def read_guide(path: str | os.PathLike[str]) -> tuple[Point, ...]:
+    """Read what one family is to follow from a file of text.
+
+    One line of three coordinates is a direction, several are the corners of a curve on the surface or near
+    it, in the coordinates of the mesh file. The rest of the form is that of `read_singularities`.
+
+    Raises
+    ------
+    FieldError
+        If the file cannot be read, or a line is none; the text names the file and the line.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> from geoweave.weave import read_guide
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = Path(f"{folder}/up.txt").write_text("0 0 1  # a direction\n")
+    ...     read_guide(f"{folder}/up.txt")
+    ((0.0, 0.0, 1.0),)
+    """
+    name = os.fspath(path)
+    found: list[Point] = []
+    for number, words in lines_of(name):
+        place = f"{name}: line {number}"
+        if len(words) != 3:
+            raise FieldError(f"{place} has {len(words)} numbers, not the three of a point: x y z")
+        if not found and all(word.isalpha() for word in words):
+            continue
+        x, y, z = numbers_of(words, place)
+        found.append((x, y, z))
+    if not found:
+        raise FieldError(f"{name} holds no point; give one line x y z for a direction, several for a curve")
+    if not np.any(found if len(found) == 1 else np.diff(found, axis=0)):
+        raise FieldError(f"{name}: what a family is to follow has no length; give points that are apart")
+    return tuple(found)
+
+
+def guide_of(mesh: TriMesh, placement: Similarity, symmetry: int, steering: Steering) -> Guide | None:
+    """What is to be followed, on the surface where a placement has put it.
+
+    Raises
+    ------
+    FieldError
+        If a curve is far from the surface.
+    """
+    if steering.align is None:
+        return None
+    points = np.array(steering.align, dtype=np.float64)
+    if len(points) == 1:
+        return along_direction(mesh, symmetry, points[0])
+    there = placement.apply(points)
+    nearest, _ = closest_points(triangle_tree(mesh.vertices[mesh.faces]), there)
+    apart = np.linalg.norm(nearest - there, axis=1)
+    if apart.max() > FARTHEST * mesh.bounding_radius:
+        said = "({:g}, {:g}, {:g})".format(*points[apart.argmax()])
+        raise FieldError(
+            f"the point {said} of the curve to follow is {apart.max() * placement.scale:.3g} from the surface"
+            "; give points in the coordinates of the mesh file"
+        )
+    return along_curve(mesh, symmetry, there)
 
 
 def lines_of(name: str) -> list[tuple[int, list[str]]]:
@@ -224,10 +311,26 @@ def steered_rosy(
     seed : of the smoothest RoSy
     steering : what is asked
     """
-    rosy = smoothest_rosy(mesh, degree=symmetry, seed=seed)
+    guide = guide_of(mesh, placement, symmetry, steering)
+    rosy = smoothest_rosy(mesh, degree=symmetry, seed=seed) if guide is None else aligned_rosy(guide, seed)
     if steering.singularities is not None:
-        return prescribed_rosy(mesh, symmetry, snapped(mesh, placement, steering.singularities), like=rosy)
+        numerators = snapped(mesh, placement, steering.singularities)
+        found = prescribed_rosy(mesh, symmetry, numerators, like=rosy)
+        return found if guide is None else aligned_connection(found, guide)
     if not steering.merge:
         return rosy
     spacing = expected_spacing(mesh, 1, None, None) if steering.spacing is None else steering.spacing
     return merged_pairs(rosy, steering.merge * spacing).rosy
+
+
+def steering_met(cover: Cover, field: FaceField, placement: Similarity, steering: Steering) -> Met:
+    """How far a finished field on the quotient of a cover is what was asked of it."""
+    moved = None if steering.singularities is None else displaced(cover, field)
+    guide = guide_of(cover.rosy.mesh, placement, cover.degree, steering)
+    if guide is None:
+        return Met(moved)
+    faces, vectors = lifted_vectors(cover, field)
+    weights = guide.weights[faces]
+    if not weights.sum() > 0:
+        return Met(moved)
+    return Met(moved, float(np.average(guide.deviation(vectors, faces), weights=weights)))

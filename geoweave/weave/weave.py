@@ -17,7 +17,7 @@ from geoweave.foliation import Foliation
 from geoweave.surface import Similarity, TriMesh
 from geoweave.weave.cover import family_count
 from geoweave.weave.interlacing import Interlacing, greedy
-from geoweave.weave.kept_singularities import Displaced
+from geoweave.weave.kept_singularities import Met
 from geoweave.weave.passages import Passages
 from geoweave.weave.ribbons import Ribbons
 
@@ -54,8 +54,7 @@ class Design:
     scale : factor on the number of ribbons
     tried : the scales that were tried for a number of ribbons, and how many ribbons each gave
     seconds : wall-clock seconds of each stage
-    displaced : where singularities were prescribed, those that the finished field does not have, and those
-        that it has besides; None where none were prescribed
+    met : how far the field is what was asked of it; None if it is not known
     """
 
     symmetry: int
@@ -64,7 +63,7 @@ class Design:
     scale: float = 1.0
     tried: tuple[tuple[float, int], ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
-    displaced: tuple[Displaced, ...] | None = None
+    met: Met | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -194,7 +193,7 @@ class Weave:
                 "greedy_fraction": greedy(self.passages).alternation,
             },
             **self._of_the_foliation(),
-            **self._of_the_singularities(),
+            **self._of_the_steering(),
             "interleaved_triples": {
                 "count": self.interlacing.interleaved,
                 "of": self.interlacing.triples,
@@ -206,19 +205,23 @@ class Weave:
             },
         }
 
-    def _of_the_singularities(self) -> dict[str, Any]:
-        """Whether prescribed singularities are those of the finished field, where any were prescribed."""
-        if self.design.displaced is None:
+    def _of_the_steering(self) -> dict[str, Any]:
+        """How far the finished field is what was asked of it, where anything was."""
+        met = self.design.met
+        if met is None:
             return {}
-        places = [
-            {
-                "point": self.placement.undo(self.mesh.vertices[[each.vertex]])[0].tolist(),
-                "index": each.numerator,
-                "found": each.found,
-            }
-            for each in self.design.displaced
-        ]
-        return {"prescribed_singularities": {"kept": not places, "displaced": places}}
+        said: dict[str, Any] = {}
+        if met.displaced is not None:
+            places = [
+                {
+                    "point": self.placement.undo(self.mesh.vertices[[each.vertex]])[0].tolist(),
+                    "index": each.numerator,
+                    "found": each.found,
+                }
+                for each in met.displaced
+            ]
+            said["prescribed_singularities"] = {"kept": not places, "displaced": places}
+        return said if met.aligned is None else said | {"aligned_deg": met.aligned}
 
     def _of_the_foliation(self) -> dict[str, Any]:
         """How well level sets follow the field, where the weave was made of a foliation."""

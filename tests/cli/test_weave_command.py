@@ -184,3 +184,24 @@ def test_the_table_says_where_the_finished_field_differs() -> None:
         "the finished field differs at 2 points, first at (0, 0.25, 1): index -1/6 in place of 5/6"
     )
     assert weave_command._prescribed(None, 6) == []
+
+
+def test_a_family_follows_what_a_file_says(tmp_path, capfd: pytest.CaptureFixture[str]) -> None:
+    ball = write(tmp_path, "ball", "off", *sphere(4))
+    file = tmp_path / "up.txt"
+    file.write_text("0 0 1\n")
+    command = ["weave", str(ball), "--faces", "given", "--no-relax", "--align", str(file)]
+    command += ["-o", str(tmp_path / "woven")]
+    assert main.main([*command, "--json"]) == 0
+    assert json.loads(capfd.readouterr().out)["aligned_deg"] < 15
+    assert main.main(command) == 0
+    assert "degrees from the nearest family in the mean" in capfd.readouterr().out
+    for text, said in (
+        ("0 0\n", "up.txt: line 1 has 2 numbers"),
+        ("0 0 1\n0 0 9\n", "ball.off: the point (0, 0, 9)"),
+    ):
+        file.write_text(text)
+        assert main.main(command) == 2
+        out, err = capfd.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+        assert said in err

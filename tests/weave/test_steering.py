@@ -12,6 +12,7 @@ from geoweave.weave.steering import (
     Singularity,
     Steering,
     expected_spacing,
+    read_guide,
     read_singularities,
     snapped,
     steering_for,
@@ -88,7 +89,7 @@ def test_prescribed_branch_points_are_those_of_the_weave_wherever_the_surface_li
         assert apart.min(axis=0).max() < 0.65 * mesh.mean_edge  # 0.58 is the middle of a triangle
         assert field.cover.rosy.index_numerators[field.branch_points].tolist() == [3] * 4
         # Algorithm 1 keeps them, and adds none.
-        assert field.displaced == ()
+        assert field.met.displaced == ()
 
 
 def test_the_weave_says_whether_the_prescribed_singularities_were_kept():
@@ -104,7 +105,7 @@ def test_merging_leaves_fewer_branch_points_and_the_same_sum():
     assert len(merged.branch_points) < len(plain.branch_points)
     total = plain.cover.rosy.index_numerators.sum()
     assert merged.cover.rosy.index_numerators.sum() == total == 6 * mesh.euler_characteristic
-    assert merged.displaced is None
+    assert merged.met.displaced is None
 
 
 def test_the_spacing_that_is_expected_is_about_that_of_the_weave():
@@ -123,3 +124,51 @@ def test_numbers_out_of_range_are_refused():
     for bad in (-1.0, np.inf, np.nan):
         with pytest.raises(FieldError, match="0 spacings or more"):
             Steering(merge=bad)
+
+
+def test_a_direction_and_a_curve_are_read_or_refused(tmp_path):
+    file = tmp_path / "guide.txt"
+    file.write_text("x,y,z\n0,0,2 # up\n")
+    assert read_guide(file) == ((0, 0, 2),)
+    file.write_text("0 0 1\n\n1 0 1\n1 1 1\n")
+    assert read_guide(file) == ((0, 0, 1), (1, 0, 1), (1, 1, 1))
+    for text, said in (
+        ("0 0 1 6\n", "line 1 has 4 numbers, not the three of a point"),
+        ("0 0 1\n0 up 1\n", "line 2: 'up' is not a finite number"),
+        ("", "holds no point"),
+        ("0 0 0\n", "has no length"),
+        ("1 2 3\n1 2 3\n", "has no length"),
+    ):
+        file.write_text(text)
+        with pytest.raises(FieldError, match=r"guide\.txt") as refusal:
+            read_guide(file)
+        assert said in str(refusal.value)
+    for nothing in (((0.0, 0.0, 0.0),), ((1.0, 2.0, 3.0),) * 2):
+        with pytest.raises(FieldError, match="has no length"):
+            Steering(align=nothing)
+
+
+def test_a_family_of_the_finished_field_follows_the_curve():
+    mesh = shapes.genus_g(2, faces=1500)
+    side = mesh.vertices[:, 2].max()
+    curve = tuple((x, 0.0, side) for x in np.linspace(-0.2, 0.2, 5) * np.ptp(mesh.vertices[:, 0]))
+    middle = mesh.vertices.mean(axis=0)
+    near = [tuple(mesh.vertices[np.linalg.norm(mesh.vertices - p, axis=1).argmin()]) for p in curve + middle]
+    met = weave_field(mesh, steering=Steering(align=tuple(near))).met
+    assert met is not None
+    assert met.displaced is None
+    # 15 degrees are what a family is off by chance.
+    assert met.aligned < 8.0
+    with pytest.raises(FieldError, match=r"of the curve to follow is .* from the surface"):
+        weave_field(mesh, steering=Steering(align=((0.0, 0.0, 90.0), *near)))
+
+
+def test_prescribed_singularities_stay_where_a_direction_is_followed_too():
+    ball = shapes.sphere(faces=1280)
+    free = weave_field(ball, steering=Steering(TETRAHEDRON))
+    both = weave_field(ball, steering=Steering(TETRAHEDRON, align=((0.0, 0.0, 1.0),)))
+    assert (both.cover.rosy.index_numerators == free.cover.rosy.index_numerators).all()
+    assert both.met.displaced == ()
+    assert both.met.aligned < 15.0
+    weave = both.pattern(scale=0.5, effort=1000)
+    assert weave.metrics()["aligned_deg"] == both.met.aligned
