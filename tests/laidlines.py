@@ -75,3 +75,18 @@ def triaxial(phase: float) -> list[tuple[float, float, float]]:
             if max(abs(x), abs(y)) < 0.99:
                 lines.append((turn, x, y))
     return lines
+
+
+def kagome(phase: float) -> list[tuple[float, float, float]]:
+    """Three families right across the plate, a kagome at 0.5; three lines meet in each point at 0."""
+    slide = np.linspace(-1.5, 1.5, 301)
+    lines = []
+    for turn, shift in ((0.0, 0.013), (60.0, 0.013), (120.0, phase)):
+        along = np.array([np.cos(np.radians(turn)), np.sin(np.radians(turn))])
+        for k in range(-8, 9):
+            foot = (k + shift) * SPACING * np.array([-along[1], along[0]])
+            there = foot + slide[:, None] * along
+            size = np.abs(there).max(axis=1)
+            if size.min() < 0.99:
+                lines.append((turn, *there[size.argmin()].tolist()))
+    return lines

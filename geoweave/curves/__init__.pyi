@@ -6,6 +6,7 @@ from .curves import (
     geodesic_curvature as geodesic_curvature,
     lifted as lifted,
 )
+from .nearest_curve import nearest_curves as nearest_curves
 from .straightest_geodesics import straightest as straightest
 from .stretch import stretches as stretches
 from .tracing import streamlines as streamlines

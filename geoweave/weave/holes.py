@@ -6,15 +6,13 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from geoweave.arrays import Indices, Scalars, Vectors
-from geoweave.compiled import compiled
-from geoweave.curves import Curves
-from geoweave.surface import BoxTree, nearest, segment_tree
+from geoweave.arrays import Indices
+from geoweave.curves import nearest_curves
 from geoweave.weave.places import Place, places
 from geoweave.weave.ribbon_ends import outermost
 from geoweave.weave.weave import Weave
 
-__all__ = ["bare_components", "gaps", "hanging_ends", "nearest_curves"]
+__all__ = ["bare_components", "gaps", "hanging_ends"]
 
 
 def hanging_ends(weave: Weave) -> list[Place]:
@@ -56,39 +54,11 @@ def gaps(weave: Weave, limit: float) -> list[Place]:
     return places(weave, "gap", points[middle], [(c,) for c in ribbon[middle].tolist()], values, False)
 
 
-def nearest_curves(curves: Curves, points: Vectors, normals: Vectors) -> tuple[Scalars, Indices]:
-    """Distance from points to the nearest curve on their side of the surface, and that curve.
-
-    The distance is a straight one. Where no curve lies on that side, it is the nearest of all.
-    """
-    running = np.flatnonzero(curves.segment_lengths > 0)
-    ends = np.stack([curves.points[running], curves.points[curves.following[running]]], axis=1)
-    tree = segment_tree(ends)._replace(normals=np.ascontiguousarray(curves.normals[running]))
-    distance, piece = _distances(tree, np.ascontiguousarray(points), np.ascontiguousarray(normals))
-    return distance, curves.curve_of_point[running[piece]]
-
-
 def _a_face(faces: Indices, count: int) -> Indices:
     """(V,) one of the faces at each vertex."""
     found = np.zeros(count, dtype=np.int64)
     found[faces.ravel()] = np.repeat(np.arange(len(faces)), 3)
     return found
-
-
-@compiled
-def _distances(tree: BoxTree, points: Vectors, normals: Vectors) -> tuple[Scalars, Indices]:
-    """Distance to the nearest piece of a ribbon on the same side of the surface, and that piece.
-
-    Where there is none on that side, the nearest of all.
-    """
-    distance, piece = np.empty(len(points)), np.empty(len(points), dtype=np.int64)
-    found, anywhere = np.empty(3), np.zeros(3)
-    for i in range(len(points)):
-        piece[i] = nearest(tree, points[i], normals[i], found)
-        if piece[i] < 0:
-            piece[i] = nearest(tree, points[i], anywhere, found)
-        distance[i] = np.sqrt(((found - points[i]) ** 2).sum())
-    return distance, piece
 
 
 def bare_components(weave: Weave) -> list[Place]:

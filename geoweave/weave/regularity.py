@@ -1,7 +1,7 @@
 """How regular a weave is, measured on its ribbons and crossings alone.
 
 In a regular triaxial weave the ribbons cut the surface into triangles and hexagons, as in a kagome lattice,
-and no three of them meet near one point. The paper leaves this to chance (DEVIATIONS.md, regularity).
+and no three of them meet near one point. The paper leaves this to chance.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
-from geoweave.curves import Crossings, Curves
+from geoweave.curves import Crossings, Curves, nearest_curves
 from geoweave.weave.cover import family_count
-from geoweave.weave.holes import nearest_curves
 from geoweave.weave.passages import Passages
-from geoweave.weave.ribbon_ends import on_boundary
+from geoweave.weave.ribbon_ends import off_ideal, on_boundary
 from geoweave.weave.weave import Weave
 
 __all__ = ["Cells", "Regularity", "crossing_density", "local_spacing", "near_ideal", "phase_order", "piled"]
@@ -121,9 +120,7 @@ def piled(points: Vectors, normals: Vectors, spacing: float) -> Flags:
 
 def near_ideal(angles: Scalars, families: int) -> Flags:
     """(C,) whether an angle, in degrees, is within 20 degrees of a multiple of 180 / families."""
-    turn = 180.0 / families
-    nearest = np.clip(np.round(angles / turn), 1, families - 1) * turn
-    return np.asarray(np.abs(angles - nearest) <= OFF_IDEAL)
+    return np.asarray(off_ideal(np.radians(angles), families) <= OFF_IDEAL)
 
 
 def crossing_density(families: int) -> float:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from geoweave.arrays import Flags, Scalars
-from geoweave.curves import Crossings, Curve, Curves, crossings, straightest
+from geoweave.curves import Crossings, Curve, Curves, straightest
 
 ROUNDING = 1e-6
 """Share of the mean edge within which a place is another one."""
@@ -38,14 +38,14 @@ def extended(curves: Curves, reach: float) -> tuple[Curves, Scalars]:
         if goes_on[c, 0] and more[0] is not None:
             which = int(number[c, 0])
             spans[c] += more[0].lengths[which]
-            whole = _turned(_joined(_turned(whole), more[0][which]))
+            whole = turned(joined(turned(whole), more[0][which]))
         if goes_on[c, 1] and more[1] is not None:
-            whole = _joined(whole, more[1][int(number[c, 1])])
+            whole = joined(whole, more[1][int(number[c, 1])])
         longer.append(whole)
     return Curves.concatenate(mesh, longer), spans
 
 
-def _turned(line: Curve) -> Curve:
+def turned(line: Curve) -> Curve:
     """An open curve, run through from its end to its start."""
     # Turned round, a segment belongs to the point at its other end.
     faces, sliding = line.faces[:-1][::-1], line.sliding[:-1][::-1]
@@ -58,7 +58,7 @@ def _turned(line: Curve) -> Curve:
     )
 
 
-def _joined(one: Curve, other: Curve) -> Curve:
+def joined(one: Curve, other: Curve) -> Curve:
     """Two open curves as one, the second from where the first ends."""
     # The common point belongs to the second curve's segment, but turns as the first says.
     return Curve(
@@ -70,53 +70,11 @@ def _joined(one: Curve, other: Curve) -> Curve:
     )
 
 
-def trimmed(longer: Curves, spans: Scalars, tail: float, shallowest: float) -> tuple[Flags, Scalars, Scalars]:
-    """Choose where each extended curve is to start and end.
-
-    An end is moved to a tail beyond the first crossing on its extension. If the extension meets none, or
-    meets one at too small an angle to hold it, the end is moved back to the last crossing inside that holds
-    it. A crossing counts only if the other curve is there with the part it had before it was extended.
-
-    Parameters
-    ----------
-    longer, spans : what `extended` returns
-    tail : a length
-    shallowest : least angle of a crossing that holds an end, degrees
-
-    Returns
-    -------
-    (n,) whether the curve crosses any other, and the arc lengths at which it is to start and to end
-    """
-    met = crossings(longer)
-    low, high = spans[met.curves, 0], spans[met.curves, 1]
-    own = (met.arclength >= low - tail) & (met.arclength <= high + tail)
-    owner, at, firm = met.curves.ravel(), met.arclength.ravel(), own[:, ::-1].ravel()
-    holds = np.repeat(holding(met, shallowest), 2)
-    order = np.lexsort((at, owner))
-    order = order[firm[order]]
-    owner, at, holds = owner[order], at[order], holds[order]
-    bounds = np.searchsorted(owner, np.arange(len(longer) + 1))
-    at_rim = on_boundary(longer)
-    start, end = np.zeros(len(longer)), longer.lengths.copy()
-    crossed = longer.closed & (np.diff(bounds) > 0)
-    for c in np.flatnonzero(~longer.closed):
-        there, good = (each[bounds[c] : bounds[c + 1]] for each in (at, holds))
-        inside = np.flatnonzero(good & (there > spans[c, 0]) & (there < spans[c, 1]))
-        before, after = np.flatnonzero(there <= spans[c, 0]), np.flatnonzero(there >= spans[c, 1])
-        # An end that came to the boundary before it met anything stays there.
-        first = before[-1:][good[before[-1:]]] if len(before) else inside[:1]
-        last = after[:1][good[after[:1]]] if len(after) else inside[-1:]
-        first, last = (first if len(first) else inside[:1]), (last if len(last) else inside[-1:])
-        if len(before) or not at_rim[c, 0]:
-            if not len(first):
-                continue
-            start[c] = max(there[first[0]] - tail, 0.0)
-        if len(after) or not at_rim[c, 1]:
-            if not len(last):
-                continue
-            end[c] = min(there[last[0]] + tail, longer.lengths[c])
-        crossed[c] = len(there) > 0
-    return crossed, start, end
+def off_ideal(angle: Scalars, families: int) -> Scalars:
+    """(C,) degrees between each angle, in radians, and the nearest of evenly turned families."""
+    turn = 180.0 / families
+    degrees = np.degrees(np.abs(angle)) % 180.0
+    return np.asarray(np.abs(degrees - np.clip(np.round(degrees / turn), 1, families - 1) * turn))
 
 
 def holding(met: Crossings, shallowest: float) -> Flags:

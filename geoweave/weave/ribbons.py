@@ -1,8 +1,9 @@
 """From level sets to ribbons, the post-processing of Section 5.2.
 
 Level sets are cut where they bend too much. Short ones and doubled ones are dropped. Open ends are extended
-to a crossing. Ribbons stay `Curves`, exact on the surface. All lengths are shares of the spacing of the
-ribbons, so that one set of numbers serves every model.
+to a crossing. What is still bare gets a ribbon, and so does a gap between two parts of the weave. Ribbons
+stay `Curves`, exact on the surface. All lengths are shares of the spacing of the ribbons, so that one set of
+numbers serves every model.
 """
 
 from __future__ import annotations
@@ -10,13 +11,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, frozen
 from geoweave.curves import Crossings, Curves, crossings, geodesic_curvature, stretches
 from geoweave.errors import FieldError
 from geoweave.weave.doubled_curves import doubled
+from geoweave.weave.growing_ends import Growth
+from geoweave.weave.infill import Filling, Laid, bridged, filled
 from geoweave.weave.passages import Passages, merged
-from geoweave.weave.ribbon_ends import extended, holding, loose_ends, outermost, trimmed
+from geoweave.weave.ribbon_ends import extended, holding, loose_ends
 
 
 @dataclass(frozen=True)
@@ -28,13 +33,18 @@ class Cutting:
     sharpest : a ribbon is cut where its geodesic curvature exceeds this, 1 / d; the sharp stretch is left out
     window : half-width of the hat that this curvature is averaged over, d. A kink of ``sharpest * window``
         radians is cut, on a coarse mesh as on a fine one
-    shortest : pieces shorter than this are dropped, d
-    reach : how far an open end may be extended along a geodesic to its first crossing, d
+    shortest : pieces of level sets shorter than this are dropped, d
+    fewest : ribbons with fewer crossings than this are dropped
+    reach : how far an open end may be extended along a geodesic to a crossing, d
     tail : length of a ribbon beyond its last crossing, d. Two ribbons that cross again within this length
         along both of them count as touching
-    shallowest : an end is held by a crossing at this angle or more, degrees
+    shallowest : an end is held by a crossing at this angle or more, degrees; between more families than
+        three by one at two thirds of their angle
     beside : a ribbon that runs along longer ones at this distance or less, d, for more than half of its
         length doubles them and is left out
+    bare : a place farther than this from every ribbon gets one, d
+    apart : distances that such a ribbon keeps from those that it runs along, the next one where the one
+        before leaves no way, d
 
     Raises
     ------
@@ -45,14 +55,17 @@ class Cutting:
     sharpest: float = 1.0
     window: float = 0.5
     shortest: float = 3.0
-    reach: float = 2.0
+    fewest: int = 4
+    reach: float = 4.0
     tail: float = 0.25
-    shallowest: float = 30.0
+    shallowest: float = 40.0
     beside: float = 0.25
+    bare: float = 0.9
+    apart: tuple[float, ...] = (0.5, 0.35)
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not (np.isfinite(value) and value > 0):
+            if not (np.isfinite(value).all() and np.greater(value, 0).all()):
                 raise FieldError(f"'{name}' of the ribbons must be a positive number, not {value}")
         if self.tail > self.reach:
             raise FieldError(f"a tail of {self.tail} is longer than the reach of {self.reach}")
@@ -97,10 +110,10 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
     """Make ribbons of level sets drawn on a surface (the post-processing of Section 5.2).
 
     Level sets are cut where the geodesic curvature is too high. Ribbons that are short or double another are
-    dropped. Open ends are extended along straightest geodesics, also across punctures, to the first crossing
-    and trimmed there. An end that would meet its first crossing at a shallow angle goes back to a crossing
-    that holds it. Ribbons that became too short are dropped, and ends that they held are trimmed back to a
-    crossing that is left.
+    dropped. Open ends grow along straightest geodesics, also across punctures, until they run into another
+    ribbon, and are trimmed there (`Growth`). Ribbons with too few crossings are dropped, and the others grow
+    anew without them. Bare places get ribbons of their own, and so do gaps between parts that do not hang
+    together; a part that cannot be joined is dropped.
 
     Parameters
     ----------
@@ -124,24 +137,90 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
     single = np.flatnonzero(~doubled(pieces, numbers.beside * spacing))
     pieces, origin = stretches(pieces, single), origin[single]
     longer, spans = extended(pieces, numbers.reach * spacing)
-    kept, start, end = trimmed(longer, spans, tail, numbers.shallowest)
+    shallowest = min(numbers.shallowest, 120.0 / families)
+    growth = Growth.of(longer, spans, crossings(longer), shallowest)
+    which, found = _held(growth, tail, numbers.fewest, shallowest)
+    asked = Filling(families, numbers.bare, numbers.apart, numbers.fewest, shallowest, numbers.tail)
+    found, along = _in_one_part(found, spacing, asked)
+    met = _without_touching(crossings(found), found, tail)
+    return Ribbons(found, met, frozen(origin[which[along]]), spacing, numbers)
+
+
+def _held(growth: Growth, tail: float, fewest: int, shallowest: float) -> tuple[Indices, Curves]:
+    """Grow the ends and drop ribbons with too few crossings until none is left; those that stay."""
+    kept = np.ones(len(growth.longer), dtype=bool)
     while True:
-        kept &= longer.closed | (end - start >= shortest)
+        start, end = growth.grown(kept, tail)
+        kept &= end > start
         if not kept.any():
-            raise FieldError("no ribbon is left: none crosses another; ask for a larger scale")
+            raise FieldError(f"no ribbon is left: none has {fewest} crossings; ask for a larger scale")
         which = np.flatnonzero(kept)
-        found = stretches(longer, which, start[which], end[which])
+        found = stretches(growth.longer, which, start[which], end[which])
         met = _without_touching(crossings(found), found, tail)
-        firm = met.taken(holding(met, numbers.shallowest))
-        loose = loose_ends(found, firm, tail)
-        if not loose.any():
-            return Ribbons(found, met, frozen(origin[which]), spacing, numbers)
-        # The ribbon that held these ends was itself trimmed or dropped. Trim back to the last crossing left.
-        first, last = outermost(firm, len(found))
-        start[which] += np.where(loose[:, 0], np.maximum(first - tail, 0.0), 0.0)
-        back = np.maximum(found.lengths - last - tail, 0.0)
-        end[which] -= np.where(loose[:, 1], back, 0.0)
-        kept[which] = np.isfinite(first)
+        number = np.bincount(met.curves.ravel(), minlength=len(found))
+        wrong = (number < fewest) | _loose(found, met, tail, shallowest).any(axis=1)
+        if not wrong.any():
+            return which, found
+        # Only the worst go at a time: without them the others may reach farther.
+        kept[which[wrong & (number == number[wrong].min())]] = False
+
+
+def _loose(curves: Curves, met: Crossings, tail: float, shallowest: float) -> Flags:
+    """(n, 2) ends that no crossing at a large enough angle holds."""
+    return loose_ends(curves, met.taken(holding(met, shallowest)), tail)
+
+
+def _in_one_part(curves: Curves, spacing: float, asked: Filling) -> tuple[Curves, Indices]:
+    """Lay ribbons where it is bare, and join the parts of the weave on each component of the surface.
+
+    Returns
+    -------
+    the curves; and (n,) the given curve that each one is or runs along
+    """
+    tail, along = asked.tail * spacing, np.arange(len(curves))
+    while True:
+        curves, along, met = _sound(filled(curves, spacing, asked), along, tail, asked)
+        part = _parts(met, len(curves))
+        small = _smaller_part(curves, part)
+        if not small.any():
+            return curves, along
+        bridge = bridged(curves, small, spacing, asked)
+        if bridge is not None:
+            longer, more, met = _sound(bridge, along, tail, asked)
+            if _parts(met, len(longer)).max() < part.max():
+                curves, along = longer, more
+                continue
+        curves, along = stretches(curves, np.flatnonzero(~small)), along[~small]
+
+
+def _sound(laid: Laid, along: Indices, tail: float, asked: Filling) -> tuple[Curves, Indices, Crossings]:
+    """Drop new ribbons that turn out to have a loose end or too few crossings."""
+    curves, along = laid.curves, np.concatenate([along, along[laid.along]])
+    old = len(along) - len(laid.along)
+    while True:
+        met = _without_touching(crossings(curves), curves, tail)
+        wrong = np.bincount(met.curves.ravel(), minlength=len(curves)) < asked.fewest
+        wrong |= _loose(curves, met, tail, asked.shallowest).any(axis=1)
+        wrong[:old] = False
+        if not wrong.any():
+            return curves, along, met
+        curves, along = stretches(curves, np.flatnonzero(~wrong)), along[~wrong]
+
+
+def _parts(met: Crossings, count: int) -> Indices:
+    """(n,) number of the part of each curve; those of one part hang together by crossings."""
+    links = sparse.csr_array((np.ones(len(met)), tuple(met.curves.T)), shape=(count, count))
+    return np.asarray(csgraph.connected_components(links, directed=False)[1])
+
+
+def _smaller_part(curves: Curves, part: Indices) -> Flags:
+    """(n,) the curves of a part that is not the longest on its component of the surface, if there is one."""
+    component = curves.mesh.face_components[curves.faces[curves.offsets[:-1]]]
+    length = np.bincount(part, curves.lengths)
+    order = np.argsort(-length[part], kind="stable")
+    _, first = np.unique(component[order], return_index=True)
+    others = np.setdiff1d(part, part[order[first]])
+    return np.isin(part, others[:1])
 
 
 def _cut(curves: Curves, sharpest: float, window: float, shortest: float) -> tuple[Curves, Indices]:

@@ -30,8 +30,8 @@ def violations(ribbons: Ribbons, over: ArrayLike | None = None) -> list[str]:
 
     The rules: each crossing lies on exactly two ribbons, or on one at two places, and is listed once; each
     place where two segments cross inside a face is listed, unless the same two ribbons cross again within a
-    tail; each ribbon crosses at least once; each end of an open ribbon lies on the boundary or has a crossing
-    within a tail of it; no ribbon is shorter than ``cutting.shortest`` spacings; one ribbon lies over at each
+    tail; each end of an open ribbon lies on the boundary or has a crossing
+    within a tail of it; no ribbon has fewer than ``cutting.fewest`` crossings; one ribbon lies over at each
     crossing.
 
     Parameters
@@ -52,18 +52,14 @@ def violations(ribbons: Ribbons, over: ArrayLike | None = None) -> list[str]:
     near = ROUNDING * curves.mesh.mean_edge
     found = _off_their_ribbons(ribbons, near) + _listed_twice(ribbons, near)
     found += _unlisted(ribbons, 10 * near)
-    crossed = np.bincount(met.curves.ravel(), minlength=len(curves)) > 0
-    found += _said("ribbons cross nothing", ~crossed, curves.points[curves.offsets[:-1]])
-    loose = _hanging(ribbons, near)
+    number = np.bincount(met.curves.ravel(), minlength=len(curves))
     tips = np.stack([curves.points[curves.offsets[:-1]], curves.points[curves.offsets[1:] - 1]], axis=1)
-    found += _said("ends hang loose", loose.ravel(), tips.reshape(-1, 3))
-    shortest = ribbons.cutting.shortest * ribbons.spacing
-    short = curves.lengths < shortest * (1 - 1e-9)
+    found += _said("ribbons cross nothing", number == 0, tips[:, 0])
+    fewest = ribbons.cutting.fewest
     found += _said(
-        f"ribbons are shorter than the pruning length {shortest:.3g}",
-        short,
-        curves.points[curves.offsets[:-1]],
+        f"ribbons have fewer than {fewest} crossings", (number > 0) & (number < fewest), tips[:, 0]
     )
+    found += _said("ends hang loose", _hanging(ribbons, near).ravel(), tips.reshape(-1, 3))
     if over is not None:
         sides = np.asarray(over)
         if sides.shape != (len(met),):

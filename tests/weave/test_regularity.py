@@ -6,28 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from laidlines import SPACING, laid, made
+from laidlines import SPACING, kagome, laid, made
 
 from geoweave.models import shapes
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.inspection import inspected
 from geoweave.weave.passages import Passages
 from geoweave.weave.regularity import Cells, Regularity, local_spacing, near_ideal, phase_order, piled
-
-
-def kagome(phase: float) -> list[tuple[float, float, float]]:
-    """Three families right across the plate, a kagome at 0.5; three lines meet in each point at 0."""
-    slide = np.linspace(-1.5, 1.5, 301)
-    lines = []
-    for turn, shift in ((0.0, 0.013), (60.0, 0.013), (120.0, phase)):
-        along = np.array([np.cos(np.radians(turn)), np.sin(np.radians(turn))])
-        for k in range(-8, 9):
-            foot = (k + shift) * SPACING * np.array([-along[1], along[0]])
-            there = foot + slide[:, None] * along
-            size = np.abs(there).max(axis=1)
-            if size.min() < 0.99:
-                lines.append((turn, *there[size.argmin()].tolist()))
-    return lines
 
 
 def test_a_kagome_has_nothing_but_triangles_and_hexagons() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 from surfaces import lines_on_square
 
 from geoweave.curves.curve_crossings import crossings
-from geoweave.weave.ribbon_ends import extended, holding, loose_ends
+from geoweave.weave.ribbon_ends import extended, holding, loose_ends, off_ideal
 from geoweave.weave.ribbons import Cutting, ribbons
 
 
@@ -43,7 +43,9 @@ def test_a_shallow_crossing_holds_no_end() -> None:
     flat = (-0.4, -0.05, 0.1, 0.05)
     both = lines_on_square((-0.25, 0.0, 0.35, 0.0), *across, flat)
     spacing = float(both.mesh.face_areas.sum() / both.lengths.sum())
-    numbers = Cutting(shortest=0.2 / spacing, reach=0.02 / spacing, tail=0.01 / spacing, beside=0.001)
+    lengths = {"shortest": 0.2, "reach": 0.02, "tail": 0.01, "beside": 0.001}
+    lengths = {name: length / spacing for name, length in lengths.items()}
+    numbers = Cutting(fewest=1, bare=1e9, **lengths)
     found = ribbons(both, families=1, cutting=numbers)
     ends = found.curves[int(np.flatnonzero(found.origin == 0)[0])].points[[0, -1], 0]
     np.testing.assert_allclose(ends, [-0.11, 0.31], atol=1e-9)
@@ -51,3 +53,9 @@ def test_a_shallow_crossing_holds_no_end() -> None:
     found = ribbons(both, families=1, cutting=loosely)
     ends = found.curves[int(np.flatnonzero(found.origin == 0)[0])].points[[0, -1], 0]
     np.testing.assert_allclose(ends, [-0.16, 0.31], atol=1e-9)
+
+
+def test_angles_are_compared_with_those_of_evenly_turned_families() -> None:
+    angle = np.radians([60.0, -130.0, 90.0, 5.0, 180.0])
+    np.testing.assert_allclose(off_ideal(angle, 3), [0, 10, 30, 55, 60], atol=1e-9)
+    np.testing.assert_allclose(off_ideal(angle, 2), [30, 40, 0, 85, 90], atol=1e-9)
