@@ -24,7 +24,7 @@ from geoweave.cli.options import (
 
 if TYPE_CHECKING:
     from geoweave.pipeline import MeshSource, WeaveRequest, WovenFiles
-    from geoweave.weave import Inspection, Regularity
+    from geoweave.weave import Inspection, Phase, Regularity
 
 OPTIONS = (
     click.option(
@@ -32,6 +32,12 @@ OPTIONS = (
         type=click.IntRange(min=3),
         default=6,
         help="Vectors of the RoSy: 6 weaves triaxially (6).",
+    ),
+    click.option(
+        "--phase",
+        type=click.Choice(["regular", "free"]),
+        help="regular: triangles and hexagons, no three ribbons near a point (default with --symmetry 6); "
+        "free: families lie as they happen to.",
     ),
     click.option(
         "--ribbons",
@@ -87,6 +93,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
     def bundled(
         *arguments: Any,
         symmetry: int,
+        phase: Phase | None,
         ribbons: int | None,
         scale: float | None,
         singularities: str | None,
@@ -103,9 +110,13 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
         from geoweave.errors import FieldError
         from geoweave.pipeline import WeaveRequest, formats_of
-        from geoweave.weave import read_guide, read_singularities
+        from geoweave.weave import phase_of, read_guide, read_singularities
 
         names = tuple(name.strip().lower() for name in formats.split(","))
+        try:
+            phase_of(symmetry, phase)
+        except FieldError as error:
+            raise click.UsageError(f"{error}, with --phase and --symmetry") from error
         try:
             formats_of(names, size)
         except FieldError as error:
@@ -113,6 +124,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
         given = click.get_current_context().get_parameter_source("formats")
         request = WeaveRequest(
             symmetry=symmetry,
+            phase=phase,
             ribbons=ribbons,
             scale=scale,
             singularities=None if singularities is None else read_singularities(singularities),

@@ -18,8 +18,10 @@ from geoweave.foliation.integrability import (
     vertices_and_faces,
 )
 from geoweave.foliation.level_set_alignment import Alignment, alignment
+from geoweave.foliation.regular_steps import RegularSteps, regular_course
 from geoweave.foliation.theta_and_s import Alternation
 from geoweave.foliation.theta_energy import along_edges
+from geoweave.foliation.triples import Triples
 from geoweave.sparse import Ordering, one_blas_thread
 from geoweave.surface import Part, part_of
 
@@ -49,7 +51,8 @@ class Foliation:
     part : that surface as a part of the one given
     s : (F',) integrating factor, positive, radians / length: ``grad theta ~ s w-perp``
     circle : theta on the vertices of the part, and its change along each edge
-    energies : Eq. 8 at the start and after each alternation, in the unit that `foliate` says
+    energies : Eq. 8 at the start and after each alternation, in the unit that `foliate` says; with a phase
+        that is coupled, after each joint step, and then it may rise
     theta_changes, s_changes : change in each alternation, root mean square over the area: radians, and as a
         share of s
 
@@ -141,6 +144,7 @@ def foliate(
     smoothness: float = SMOOTHNESS,
     seed: int = 0,
     ordering: Ordering | None = None,
+    triples: Triples | None = None,
     callback: Callable[[int, float], None] | None = None,
 ) -> Foliation:
     """Integrate a field to a circle-valued function whose level sets follow it (steps 2 to 5 of 4.2.5).
@@ -171,21 +175,16 @@ def foliate(
     hold_s : keep the first s and find theta alone
     smoothness : mu of Eq. 8, in squared bounding radii
     seed : start of the first eigenvector iteration
-    ordering : of `vertices_and_faces` on the punctured surface, for several foliations of one field; made
-        here if not given
+    ordering : of `vertices_and_faces` on the punctured surface, with the places of the triples if they are
+        given, for several foliations of one field; made here if not given
     callback : called with the number of each alternation and its energy
 
     Raises
     ------
     FieldError
-        If a parameter is out of range.
+        If a parameter is out of range, or s is held where phases are coupled.
     MeshError
         If every face touches a singular vertex.
-
-    See Also
-    --------
-    isolines : draws the level sets
-    geodesic_field : the field to start from
 
     Examples
     --------
@@ -194,23 +193,29 @@ def foliate(
     >>> bool((np.diff(foliation.energies) <= 0).all()), len(gw.isolines(foliation)) > 2
     (True, True)
     """
-    _check(scale, alternations, weighting)
+    _check(scale, alternations, weighting, hold_s and triples is not None)
     w, part = punctured(field)
-    ordering = ordering or vertices_and_faces(w.mesh)
+    coupled = None if triples is None else triples.on(part)
+    ordering = ordering or vertices_and_faces(w.mesh, None if coupled is None else coupled.places)
     first = _first_factor(w, part, rescaling, ordering)
     s = scale * global_scale(w, first, quantile) * first
     unit = s if weighting == "relative" else w.mesh.component_means(s)[w.mesh.face_components]
+    mu = smoothness * field.mesh.bounding_radius**2
     with one_blas_thread():
-        problem = Alternation(w, s, unit, smoothness * field.mesh.bounding_radius**2, ordering)
-        z = problem.start(seed)
-        found = _alternated(problem, z, s, alternations, tolerance, hold_s, callback)
+        if coupled is None:
+            problem = Alternation(w, s, unit, mu, ordering)
+            found = _alternated(problem, problem.start(seed), s, alternations, tolerance, hold_s, callback)
+        else:
+            found = _regular(RegularSteps(w, s, unit, mu, ordering, coupled), s, seed, callback)
     circle = CircleFunction.nearest(w.mesh, found.theta, edge_prediction(w, found.s))
     _check_frequency(circle, found.s)
     changes = tuple(found.theta_changes), tuple(found.s_changes)
     return Foliation(w, part, frozen(found.s), circle, tuple(found.energies), *changes)
 
 
-def _check(scale: float, alternations: int, weighting: str) -> None:
+def _check(scale: float, alternations: int, weighting: str, both: bool) -> None:
+    if both:
+        raise FieldError("the phases of families cannot be coupled while s is held")
     if not (np.isfinite(scale) and scale > 0):
         raise FieldError(f"the scale of a foliation must be a positive number, not {scale}")
     if alternations < 1:
@@ -274,6 +279,23 @@ def _alternated(
             callback(number, course.energies[-1])
         if course.energies[-2] - course.energies[-1] <= tolerance * course.energies[-1]:
             break
+    return course
+
+
+def _regular(
+    problem: RegularSteps, s: Scalars, seed: int, callback: Callable[[int, float], None] | None
+) -> _Course:
+    """Take the steps of `regular_course`."""
+    areas, states = problem.mesh.face_areas, regular_course(problem, s, seed)
+    theta, s = next(states)
+    course = _Course(theta, s, [problem.energy(theta, s)], [], [])
+    for number, (theta, s) in enumerate(states, 1):
+        course.energies.append(problem.energy(theta, s))
+        course.theta_changes.append(problem.theta_change(course.theta, theta))
+        course.s_changes.append(float(np.sqrt(np.average((s / course.s - 1.0) ** 2, weights=areas))))
+        course.theta, course.s = theta, s
+        if callback is not None:
+            callback(number, course.energies[-1])
     return course
 
 

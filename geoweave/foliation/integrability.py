@@ -13,7 +13,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from scipy import sparse
 
-from geoweave.arrays import Complexes, Scalars, frozen
+from geoweave.arrays import Complexes, Indices, Scalars, frozen
 from geoweave.errors import FieldError
 from geoweave.fields import (
     ClosedFields,
@@ -83,15 +83,29 @@ def perpendicular(field: FaceField) -> Complexes:
     return -1j * field.normalized().values
 
 
-def vertices_and_faces(mesh: TriMesh) -> Ordering:
-    """Elimination order of matrices with a row per vertex, then one per face, that couple neighbours."""
+def vertices_and_faces(mesh: TriMesh, places: Indices | None = None) -> Ordering:
+    """Elimination order of matrices with a row per vertex, then one per face, that couple neighbours.
+
+    Parameters
+    ----------
+    mesh : the surface
+    places : (V + F,) number of the place of each vertex and face, from 0, where those that share a place are
+        coupled too; they are then eliminated one after the other
+    """
     n, edges = mesh.n_vertices, mesh.edges
     pairs = mesh.edge_faces[mesh.interior_edges]
     first = [edges[:, 0], n + pairs[:, 0], mesh.faces.ravel()]
     second = [edges[:, 1], n + pairs[:, 1], n + np.repeat(np.arange(mesh.n_faces), 3)]
-    i, j = np.concatenate(first), np.concatenate(second)
-    half = sparse.coo_array((np.ones(len(i)), (i, j)), shape=(n + mesh.n_faces,) * 2).tocsr()
-    return nested_dissection(sparse.csr_array(half + half.T))
+    i, j, size = np.concatenate(first), np.concatenate(second), n + mesh.n_faces
+    if places is not None:
+        i, j, size = places[i], places[j], int(places.max()) + 1
+    half = sparse.coo_array((np.ones(len(i)), (i, j)), shape=(size, size)).tocsr()
+    found = nested_dissection(sparse.csr_array(half + half.T))
+    if places is None or found.order is None:
+        return found
+    rank = np.empty(size, dtype=np.int64)
+    rank[found.order] = np.arange(size)
+    return Ordering(np.argsort(rank[places], kind="stable"))
 
 
 def integrating_factor(

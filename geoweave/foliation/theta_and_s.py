@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
-from geoweave.arrays import Complexes, Scalars
+from geoweave.arrays import Complexes, Indices, Scalars
 from geoweave.fields import FaceField, as_complex, as_real
 from geoweave.foliation.circle_function import wrapped
 from geoweave.foliation.theta_energy import ThetaEnergy
@@ -35,35 +36,55 @@ class HeldMean:
 
     On a component with first Betti number zero both could shrink and lower Eq. 8 without end. There the area
     mean of ``s / shat`` is held (DEVIATIONS.md, held-mean).
+
+    Parameters
+    ----------
+    mesh : the surface
+    groups : (components,) number of the group of each component, from 0, where those of a group share their
+        s; each is a group of its own if not given. The mean is that of a group, and held where none of its
+        components has a loop
     """
 
-    def __init__(self, mesh: TriMesh) -> None:
-        self.mesh = mesh
-        self.components = mesh.bundle.betti_numbers == 0
-        areas = mesh.face_areas / np.bincount(mesh.face_components, mesh.face_areas)[mesh.face_components]
-        self.share_of_area = np.where(self.components[mesh.face_components], areas, 0.0)
+    def __init__(self, mesh: TriMesh, groups: Indices | None = None) -> None:
+        groups = np.arange(mesh.n_components) if groups is None else groups
+        self.count = int(groups.max()) + 1
+        self.of_face, self.of_vertex = groups[mesh.face_components], groups[mesh.vertex_components]
+        self.held = np.bincount(groups, mesh.bundle.betti_numbers, self.count) == 0
+        areas = mesh.face_areas / np.bincount(self.of_face, mesh.face_areas)[self.of_face]
+        self.share_of_area = np.where(self.held[self.of_face], areas, 0.0)
 
     def __bool__(self) -> bool:
-        return bool(self.components.any())
+        return bool(self.held.any())
 
     def _sums(self, values: Scalars) -> Scalars:
-        """Sums of face values over each component."""
-        return np.asarray(np.bincount(self.mesh.face_components, values, self.mesh.n_components))
+        """Sums of face values over each group."""
+        return np.asarray(np.bincount(self.of_face, values, self.count))
 
     def corrected(self, step: Scalars, factors: Factorization, free: Scalars) -> Scalars:
         """Add to a joint step, (V + F,), what keeps the mean; `factors` are those that it was solved with."""
-        mesh, n = self.mesh, self.mesh.n_vertices
+        n = len(self.of_vertex)
         mean = free * self.share_of_area
         lift = factors.solve(np.concatenate([np.zeros(n), mean]))
         rise, reach = (self._sums(mean * each[n:]) for each in (step, lift))
         amount = rise / np.where(reach > 0, reach, 1.0)
-        return step - np.concatenate([amount[mesh.vertex_components], amount[mesh.face_components]]) * lift
+        return step - np.concatenate([amount[self.of_vertex], amount[self.of_face]]) * lift
 
     def restored(self, share: Scalars, best: Scalars) -> Scalars:
         """Scale the values `best`, (F,), to the means that `share` has."""
         means = [self._sums(self.share_of_area * each) for each in (share, best)]
-        factor = np.where(self.components, means[0] / np.where(self.components, means[1], 1.0), 1.0)
-        return np.asarray(best * factor[self.mesh.face_components])
+        factor = np.where(self.held, means[0] / np.where(self.held, means[1], 1.0), 1.0)
+        return np.asarray(best * factor[self.of_face])
+
+
+class JointModel(NamedTuple):
+    """A convex quadratic model in theta and s together, and the way downhill from where it was made."""
+
+    in_theta: Scalars
+    """(V,) minus the gradient in theta."""
+    in_share: Scalars
+    """(F,) minus the gradient in ``s / shat``."""
+    factors_of: Callable[[Scalars], Factorization]
+    """Its factors, where faces with a 0 in an array (F,) keep their s and those with a 1 do not."""
 
 
 class Alternation:
@@ -131,13 +152,22 @@ class Alternation:
         length = _damping(lambda length: self.energy(theta + length * step, s))
         return theta + length * step
 
-    def improve_both(self, theta: Scalars, s: Scalars) -> tuple[Scalars, Scalars]:
-        """One Gauss-Newton step of Eq. 8 in theta and s together; s stays above its floor."""
-        n, share = self.mesh.n_vertices, s / self.unit
+    def objective(self, theta: Scalars, s: Scalars) -> float:
+        """What the joint step lowers: Eq. 8."""
+        return self.energy(theta, s)
+
+    def joint_model(self, theta: Scalars, s: Scalars) -> JointModel:
+        """The convex model of the objective near a theta and an s."""
         convex, in_theta, in_share = self.energy.model(theta, s)
+        return JointModel(in_theta, in_share, lambda free: self.systems.joint_factors(convex, free))
+
+    def improve_both(self, theta: Scalars, s: Scalars) -> tuple[Scalars, Scalars]:
+        """One Gauss-Newton step of the objective in theta and s together; s stays above its floor."""
+        n, share = self.mesh.n_vertices, s / self.unit
+        in_theta, in_share, factors_of = self.joint_model(theta, s)
         # A face at its floor that would go below it stays where it is.
         free = ((share > self.least * (1 + AT_FLOOR)) | (in_share > 0)).astype(np.float64)
-        factors = self.systems.joint_factors(convex, free)
+        factors = factors_of(free)
         step = factors.solve(np.concatenate([in_theta, free * in_share]))
         if self.held:
             step = self.held.corrected(step, factors, free)
@@ -145,7 +175,7 @@ class Alternation:
         def at(length: float) -> tuple[Scalars, Scalars]:
             return theta + length * step[:n], self.unit * np.maximum(share + length * step[n:], self.least)
 
-        return at(_damping(lambda length: self.energy(*at(length))))
+        return at(_damping(lambda length: self.objective(*at(length))))
 
     def improve_s(self, theta: Scalars, s: Scalars) -> Scalars:
         """One Gauss-Newton step of Eq. 8 in s alone, to the best s above its floor."""

@@ -62,15 +62,25 @@ class ThetaSystems:
         )
 
     @cached_property
-    def _joint(self) -> Assembly:
-        """Those of the vertices, each corner in both directions, the Laplacian of faces, its diagonal."""
+    def joint_places(self) -> tuple[list[Indices], list[Indices]]:
+        """Rows and columns of `joint_entries`.
+
+        Those of the vertices, each corner in both directions, the Laplacian of faces, its diagonal.
+        """
         mesh, n, ends = self.mesh, self.mesh.n_vertices, self.eq8.ends
         corner, face = mesh.faces.ravel(), n + np.repeat(np.arange(mesh.n_faces), 3)
         i, j = (n + each for each in self._pairs)
         vertex, diagonal = np.arange(n), n + np.arange(mesh.n_faces)
         rows = [ends.head, ends.tail, vertex, corner, face, i, diagonal]
         columns = [ends.tail, ends.head, vertex, face, corner, j, diagonal]
-        return Assembly(np.concatenate(rows), np.concatenate(columns), n + mesh.n_faces)
+        return rows, columns
+
+    @cached_property
+    def _joint(self) -> Assembly:
+        rows, columns = self.joint_places
+        return Assembly(
+            np.concatenate(rows), np.concatenate(columns), self.mesh.n_vertices + self.mesh.n_faces
+        )
 
     @cached_property
     def _pairs(self) -> tuple[Indices, Indices]:
@@ -121,8 +131,8 @@ class ThetaSystems:
         matrix = self._vertices(np.concatenate([off, off, self._diagonal(convex.ravel())]))
         return self._factorized(self._vertices, matrix, self.vertex_ordering)
 
-    def joint_factors(self, convex: Scalars, free: Scalars) -> Factorization:
-        """Factors of the model in theta and ``s / shat`` together; a face with ``free = 0`` keeps its s."""
+    def joint_entries(self, convex: Scalars, free: Scalars) -> list[Scalars]:
+        """Entries of the model in theta and ``s / shat`` together; a face with ``free = 0`` keeps its s."""
         eq8 = self.eq8
         off = -eq8.ends.between * convex.ravel()
         mixed = convex * eq8.slope
@@ -131,8 +141,12 @@ class ThetaSystems:
         i, j = self._pairs
         lower = eq8.smoothness * eq8.laplacian.data * free[i] * free[j]
         diagonal = (convex * eq8.slope**2).sum(axis=1) * free + (1.0 - free)
-        entries = [off, off, self._diagonal(convex.ravel()), cross, cross, lower, diagonal]
-        return self._factorized(self._joint, self._joint(np.concatenate(entries)), self.ordering)
+        return [off, off, self._diagonal(convex.ravel()), cross, cross, lower, diagonal]
+
+    def joint_factors(self, convex: Scalars, free: Scalars) -> Factorization:
+        """Factors of the model of `joint_entries`."""
+        matrix = self._joint(np.concatenate(self.joint_entries(convex, free)))
+        return self._factorized(self._joint, matrix, self.ordering)
 
     @cached_property
     def s_alone(self) -> tuple[sparse.csr_array, Factorization]:

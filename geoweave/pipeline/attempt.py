@@ -164,6 +164,7 @@ def _designed(
     weave = weave_pattern(
         prepared.mesh,
         symmetry=request.symmetry,
+        phase=request.phase,
         scale=request.scale,
         ribbons=request.ribbons,
         seed=seed,

@@ -76,6 +76,8 @@ class WovenFiles:
 
     def document(self) -> dict[str, Any]:
         """All numbers of the run, as ``geoweave weave --json`` prints them."""
+        from geoweave.weave import phase_of
+
         mesh, weave, request = self.prepared.mesh, self.weave, self.request
         return {
             "mesh": self.source.name,
@@ -83,6 +85,7 @@ class WovenFiles:
             "genus": mesh.genus,
             "boundary_loops": len(mesh.boundary_loops),
             "symmetry": request.symmetry,
+            "phase": phase_of(request.symmetry, request.phase),
             "scale": weave.scale,
             "ribbons_asked": request.ribbons,
             "scales_tried": len(weave.design.tried) or 1,

@@ -11,7 +11,7 @@ from geoweave.errors import FieldError
 from geoweave.pipeline.weave_folder import check_formats
 
 if TYPE_CHECKING:
-    from geoweave.weave import Singularity
+    from geoweave.weave import Phase, Singularity
 
 __all__ = ["BOUNDS", "WeaveRequest", "formats_of"]
 
@@ -26,7 +26,8 @@ class WeaveRequest:
     Raises
     ------
     FieldError
-        If ``ribbons`` and ``scale`` are both given, or a number is not positive or out of reach.
+        If ``ribbons`` and ``scale`` are both given, a number is not positive or out of reach, or there is no
+        such phase for the symmetry.
 
     Examples
     --------
@@ -39,6 +40,9 @@ class WeaveRequest:
 
     symmetry: int = 6
     """Vectors of the RoSy per face: 6 gives a triaxial weave."""
+    phase: Phase | None = None
+    """"regular" for triangles and hexagons, no three ribbons near a point, the default for symmetry 6; "free"
+    for families that lie as they happen to."""
     ribbons: int | None = None
     """How many ribbons; the nearest number that a search meets."""
     scale: float | None = None
@@ -76,6 +80,10 @@ class WeaveRequest:
             raise FieldError(
                 f"merge is {self.merge:g}; give a number of spacings from 0 to {BOUNDS['scale']:g}"
             )
+        if self.phase is not None:
+            from geoweave.weave import phase_of
+
+            phase_of(self.symmetry, self.phase)
         if self.width is not None and self.thickness is not None and self.thickness > self.width:
             raise FieldError(
                 f"a ribbon {self.width:g} wide cannot be {self.thickness:g} thick; make it thinner than wide"

@@ -14,6 +14,7 @@ from .design import (
 )
 from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged
+from .phase import PHASES as PHASES, Phase as Phase, phase_of as phase_of
 from .regularity import Regularity as Regularity
 from .ribbons import Ribbons as Ribbons
 from .singularity_search import Stage as Stage, searched as searched

@@ -17,7 +17,7 @@ from geoweave.arrays import Flags, Indices, Scalars, Triangles, frozen
 from geoweave.curves import Curves
 from geoweave.errors import FieldError
 from geoweave.fields import FaceField, RoSyField
-from geoweave.foliation import CircleFunction, Foliation
+from geoweave.foliation import CircleFunction, Foliation, Triples
 from geoweave.surface import Part, TriMesh, TwistedMesh, connected_components, part_of
 
 
@@ -218,6 +218,28 @@ class Quotient:
     faces: Indices
     signs: Scalars
     representatives: Indices
+
+    @cached_property
+    def triples(self) -> Triples:
+        """The sheets 120 degrees apart, whose phase decides whether three ribbons meet in a point.
+
+        Sheet k stands with sheets k + N/3 and k + 2 N/3. For N = 6 that is one triple over each face, for
+        N = 3 all three sheets, and the turn by one sheet takes triples to triples.
+
+        Raises
+        ------
+        FieldError
+            If 3 does not divide N: no three directions are 120 degrees apart. For N = 4 two families have no
+            phase but a shift of the pattern; for N = 5 no phase keeps three ribbons apart everywhere.
+        """
+        degree, count = self.cover.degree, len(self.cover.part.faces)
+        if degree % 3:
+            raise FieldError(f"a regular phase needs a symmetry that 3 divides, as 6, not {degree}")
+        first = np.arange(degree // (6 if degree % 2 == 0 else 3))
+        sheet = first[:, None, None] + degree // 3 * np.arange(3)
+        face = (sheet * count + np.arange(count)[:, None]).reshape(-1, 3)
+        ribbons = 2 if degree % 2 == 0 else 1
+        return Triples(self.mesh, frozen(self.faces[face]), frozen(self.signs[face]), ribbons)
 
     @cached_property
     def field(self) -> FaceField:

@@ -27,6 +27,7 @@ from geoweave.surface import Similarity, TriMesh
 from geoweave.weave import interlacing
 from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
 from geoweave.weave.kept_singularities import Met
+from geoweave.weave.phase import Phase, phase_of
 from geoweave.weave.ribbon_count import TRIES, nearest_scale
 from geoweave.weave.ribbons import Cutting, Ribbons, ribbons
 from geoweave.weave.steering import Steering, steered_rosy, steering_for, steering_met
@@ -84,6 +85,7 @@ class WeaveField:
     mesh : the surface, at bounding radius 1
     placement : how it got there from the position and size it was given in
     symmetry : N of the RoSy
+    phase : "regular" or "free"
     seed : of the RoSy and of the first eigenvector
     branch_points : vertices of the surface at which families are permuted
     cover : the N sheets
@@ -98,6 +100,7 @@ class WeaveField:
     mesh: TriMesh
     placement: Similarity
     symmetry: int
+    phase: Phase
     seed: int
     branch_points: Indices
     cover: Cover
@@ -168,6 +171,7 @@ class WeaveField:
             smoothness=EVENNESS,
             seed=self.seed,
             ordering=self.ordering,
+            triples=self.cover.quotient.triples if self.phase == "regular" else None,
         )
         stages.begin("ribbons", more)
         leaves = self.cover.project(isolines(self.cover.quotient.lifted(foliation), [LEVEL]))
@@ -208,6 +212,7 @@ def weave_field(
     mesh: TriMesh,
     *,
     symmetry: int = 6,
+    phase: Phase | None = None,
     geodesic: bool = True,
     seed: int = 0,
     steering: Steering | None = None,
@@ -221,6 +226,8 @@ def weave_field(
     ----------
     mesh : the surface, anywhere and of any size
     symmetry : N, 3 or more; 6 for a triaxial weave
+    phase : "regular", the default for N = 6, where three families are to form triangles and hexagons, no
+        three ribbons near a point; or "free", as in the paper
     geodesic : if false, the smoothest RoSy is left as it is, which Fig. 23 compares with
     seed : of the RoSy and of the first eigenvector
     steering : what is asked of the singularities of the RoSy
@@ -229,7 +236,8 @@ def weave_field(
     Raises
     ------
     FieldError
-        If the symmetry is less than 3, or prescribed singularities do not fit the surface.
+        If the symmetry is less than 3, 3 does not divide it and the phase is to be regular, or prescribed
+        singularities do not fit the surface.
 
     Examples
     --------
@@ -238,8 +246,7 @@ def weave_field(
     >>> field.expected_crossings(1.0) / field.expected_crossings(0.5)
     4.0
     """
-    if symmetry < 3:
-        raise FieldError(f"a weave needs a symmetry of 3 or more, not {symmetry}")
+    chosen = phase_of(symmetry, phase)
     stages = _Stages(callback, {})
     stages.begin("rosy")
     surface, placement = mesh.normalized()
@@ -254,8 +261,9 @@ def weave_field(
         schedule = sharpening_schedule(quotient.mesh, finest=INTEGRABLE_END)
         field = geodesic_field(field, smoothness=schedule).field
     stages.begin("foliation", ": first factor")
-    w, _ = punctured(field)
-    ordering = vertices_and_faces(w.mesh)
+    w, part = punctured(field)
+    places = quotient.triples.on(part).places if chosen == "regular" else None
+    ordering = vertices_and_faces(w.mesh, places)
     factor = integrating_factor(w, smoothness=EVENNESS, ordering=ordering).s
     factor = frozen(np.maximum(factor, LEAST_FIRST * float(np.median(factor))))
     turning = global_scale(w, factor) * factor
@@ -264,6 +272,7 @@ def weave_field(
         surface,
         placement,
         symmetry,
+        chosen,
         seed,
         frozen(rosy.branch_points),
         cover,
@@ -280,6 +289,7 @@ def weave_pattern(
     mesh: TriMesh,
     *,
     symmetry: int = 6,
+    phase: Phase | None = None,
     scale: float | None = None,
     ribbons: int | None = None,
     seed: int = 0,
@@ -300,6 +310,7 @@ def weave_pattern(
     ----------
     mesh : the surface, anywhere and of any size
     symmetry : N, 3 or more; 6 for a triaxial weave
+    phase : "regular", the default for N = 6, or "free"; see `weave_field`
     scale : factor on the number of ribbons; 1 if nothing is asked for
     ribbons : how many ribbons there should be, in place of a scale: the nearest that `nearest_scale` meets.
         The weave says its scale, and asking for that scale gives the same weave
@@ -326,7 +337,7 @@ def weave_pattern(
     """
     _check(scale, ribbons)
     steering = steering_for(mesh, family_count(symmetry), scale, ribbons, steering)
-    field = weave_field(mesh, symmetry=symmetry, seed=seed, steering=steering, callback=callback)
+    field = weave_field(mesh, symmetry=symmetry, phase=phase, seed=seed, steering=steering, callback=callback)
     return field.pattern(
         scale=scale,
         ribbons=ribbons,

@@ -357,6 +357,8 @@ def test_weave_for_people_and_what_it_refuses(run, ball, tmp_path):
     assert refused(run("weave", ball, "--no-relax", "-o", tmp_path / "no" / "where"), "no")
     weave = ("weave", ball, "--no-relax", "-o", tmp_path / "x")
     assert refused(run(*weave, "--symmetry", 2), "--symmetry")
+    assert refused(run(*weave, "--phase", "odd"), "--phase")
+    assert refused(run(*weave, "--symmetry", 4, "--phase", "regular"), "--phase")
     assert refused(run(*weave, "--ribbons", 0), "--ribbons")
     assert refused(run(*weave, "--ribbons", 9, "--scale", 2), "exclude each other")
     assert refused(run(*weave, "--formats", "json,dwg"), "'dwg'", "json, rod")

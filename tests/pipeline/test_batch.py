@@ -111,6 +111,7 @@ def test_another_mesh_option_or_version_is_woven_again(
         assert not kept(replace(cone, **other))
     for other in (
         {"symmetry": 4},
+        {"phase": "free"},
         {"scale": 0.4},
         {"size": 100.0},
         {"width": 0.1},
