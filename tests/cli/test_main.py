@@ -327,7 +327,7 @@ def test_weave_of_a_size_comes_with_a_guide(run, ball, tmp_path):
 
 
 def test_weave_relaxes_unless_told_not_to(run, ball, tmp_path):
-    ask = ("weave", ball, "--faces", 1500, "--ribbons", 15)
+    ask = ("weave", ball, "--faces", 1500, "--ribbons", 15, "--phase", "free")
     status, out, _ = run(*ask, "-o", tmp_path / "woven")
     assert status == 0
     assert "it holds its shape" in out

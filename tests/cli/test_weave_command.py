@@ -57,7 +57,7 @@ def test_a_surface_of_few_triangles_is_remeshed_first(tmp_path, capfd: pytest.Ca
     result = json.loads(capfd.readouterr().out)
     assert result["repairs"]["remeshed_from"] == 512
     assert abs(result["faces"] - 4000) <= 2
-    assert result["ribbons"] > 50
+    assert result["ribbons"] > 40
     assert (result["violations"], result["loose_ends"]) == (0, 0)
 
 
@@ -76,6 +76,7 @@ def test_strips_that_would_not_go_together_are_cut_as_designed(
     tmp_path, capfd: pytest.CaptureFixture[str], scale: str
 ) -> None:
     command = ["weave", "spot", "--faces", "1500", "--scale", scale, "--size", "300", "-o", str(tmp_path)]
+    command += ["--phase", "free"]  # of which these scales are known to slip, and not to slip
     assert main.main([*command, "--formats", "pattern", "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["strips_of"] == ("weave.json" if result["slipped"] else "relaxed.json")
