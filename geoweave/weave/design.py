@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,6 +28,7 @@ from geoweave.weave.kept_singularities import Met
 from geoweave.weave.phase import Phase, phase_of
 from geoweave.weave.ribbon_count import TRIES, nearest_scale
 from geoweave.weave.ribbons import Cutting, Ribbons, ribbons
+from geoweave.weave.stages import Callback, Stages
 from geoweave.weave.steering import Steering, steered_rosy, steering_for, steering_met
 from geoweave.weave.weave import THINNESS, Design, Weave, default_width
 
@@ -47,9 +46,6 @@ EVENNESS = 1e-3
 Ribbons are further apart than leaves, and a maker wants them even (DEVIATIONS.md, evenness).
 """
 
-Callback = Callable[[str], None]
-"""Told the name of each stage as it begins."""
-
 
 class _Made(NamedTuple):
     """What one scale gives, before over and under."""
@@ -58,22 +54,6 @@ class _Made(NamedTuple):
     foliation: Foliation
     ribbons: Ribbons
     families: Indices
-
-
-class _Stages:
-    """The seconds of each stage, summed over the times it was entered."""
-
-    def __init__(self, callback: Callback | None, before: dict[str, float]) -> None:
-        self.callback, self.seconds = callback, dict(before)
-        self.name, self.clock = "", time.perf_counter()
-
-    def begin(self, name: str, more: str = "") -> None:
-        now = time.perf_counter()
-        if self.name:
-            self.seconds[self.name] = self.seconds.get(self.name, 0.0) + now - self.clock
-        self.name, self.clock = name, now
-        if self.callback is not None and name:
-            self.callback(name + more)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +113,7 @@ class WeaveField:
     ) -> Weave:
         """Design a weave of this field; see `weave_pattern`."""
         _check(scale, ribbons)
-        stages = _Stages(callback, self.seconds)
+        stages = Stages(callback, self.seconds)
         tried: tuple[tuple[float, int], ...] = ()
         if ribbons is None:
             made = self._made(1.0 if scale is None else scale, cutting, stages)
@@ -153,7 +133,7 @@ class WeaveField:
         stages.begin("")
         return weave
 
-    def _made(self, scale: float, cutting: Cutting | None, stages: _Stages, more: str = "") -> _Made:
+    def _made(self, scale: float, cutting: Cutting | None, stages: Stages, more: str = "") -> _Made:
         """Go from the field to ribbons and crossings."""
         expected = self.expected_crossings(scale)
         if expected > MOST_CROSSINGS:
@@ -179,7 +159,7 @@ class WeaveField:
         return _Made(scale, foliation, found, frozen(leaves.families[found.origin]))
 
     def _nearest(
-        self, wanted: int, cutting: Cutting | None, tries: int, stages: _Stages
+        self, wanted: int, cutting: Cutting | None, tries: int, stages: Stages
     ) -> tuple[_Made, tuple[tuple[float, int], ...]]:
         """Search for the scale that gives so many ribbons."""
         numbers = cutting or Cutting()
@@ -247,7 +227,7 @@ def weave_field(
     4.0
     """
     chosen = phase_of(symmetry, phase)
-    stages = _Stages(callback, {})
+    stages = Stages(callback, {})
     stages.begin("rosy")
     surface, placement = mesh.normalized()
     wanted = steering or Steering()
