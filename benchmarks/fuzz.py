@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import gzip
 import io
+import json
 import re
 import sys
 import tempfile
@@ -25,11 +26,16 @@ from pathlib import Path
 import numpy as np
 
 from geoweave.cli.main import main as command_line
+from geoweave.fabrication import pattern_of
 from geoweave.meshing import write_mesh
 from geoweave.models import shapes
+from geoweave.pipeline.weave_folder import rod_file
+from geoweave.rods import RodFile, rod_text
+from geoweave.rods.rod_file import MAGIC
+from geoweave.weave import Weave, weave_pattern
 
 SLOWEST = 20.0
-"""Seconds that one run may take."""
+"""Seconds of the processor that one run may take, whatever else the machine does."""
 
 MOST_CHANGES = 3
 """Changes that one file gets, at most."""
@@ -144,7 +150,52 @@ def _threemf() -> bytes:
     return buffer.getvalue()
 
 
-KINDS = {"mesh": Kind(sound_meshes, lambda path, folder: ["info", str(path), "--json"])}
+def small_weave() -> Weave:
+    """A weave of a few ribbons on a coarse cone, 100 mm wide."""
+    return weave_pattern(shapes.cone(faces=200), ribbons=4).sized(100.0)
+
+
+def sound_weaves() -> list[tuple[str, bytes]]:
+    """A design: what ``geoweave relax`` reads."""
+    return [("json", json.dumps(small_weave().document()).encode())]
+
+
+def sound_patterns() -> list[tuple[str, bytes]]:
+    """The strips of a weave."""
+    return [("json", json.dumps(pattern_of(small_weave()).document()).encode())]
+
+
+def sound_rods() -> list[tuple[str, bytes]]:
+    """The ribbons of a weave as rods, in every version of the format."""
+    content = rod_file(small_weave())
+    return [
+        ("rod", rod_text(content).encode()),
+        *(("rod", _old_rods(content, version)) for version in (0, 1)),
+    ]
+
+
+def _old_rods(content: RodFile, version: int) -> bytes:
+    """Rods as text of an older version, which has fewer entries."""
+    lines = [str(MAGIC), "1"] if version else []
+    lines += [f"{len(content.rods)} {len(content.crossings)}"]
+    lines += [f"{content.thickness} {content.young} {content.density}"]
+    for rod in content.rods:
+        arrays = [rod.centerline, rod.directors, rod.angles, rod.widths]
+        if not version:
+            del arrays[2]
+        lines += [f"{len(rod.centerline)} {int(rod.closed)}" + (" 1 0" if version else "")]
+        lines += [" ".join(repr(value) for value in np.ravel(array).tolist()) for array in arrays]
+    for one in content.crossings:
+        lines.append(" ".join(map(repr, (*one.rods, *one.segments, *one.places, one.stiffness))))
+    return ("\n".join(lines) + "\n").encode()
+
+
+KINDS = {
+    "mesh": Kind(sound_meshes, lambda path, folder: ["info", str(path), "--json"]),
+    "rod": Kind(sound_rods, lambda path, folder: ["relax", str(path), "-o", str(folder), "--json"]),
+    "weave": Kind(sound_weaves, lambda path, folder: ["relax", str(path), "-o", str(folder), "--json"]),
+    "pattern": Kind(sound_patterns, lambda path, folder: ["twin", str(path), "-o", str(folder), "--json"]),
+}
 """The kinds of files, by name."""
 
 
@@ -208,10 +259,10 @@ CHANGES = (_flip, _insert, _cut, _drop, _repeat, _number, _number, _number, _swa
 def fault_of(kind: Kind, path: Path, folder: Path) -> tuple[int, str]:
     """Run the command on a file; return the exit status, and what rule was broken ("" if none)."""
     out, err = io.StringIO(), io.StringIO()
-    start = time.perf_counter()
+    start = time.process_time()
     with redirect_stdout(out), redirect_stderr(err):
         status = command_line(kind.arguments(path, folder))
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     said = err.getvalue()
     if status not in (0, 2):
         return status, f"exit {status}: {said.strip().splitlines()[-2:]}"

@@ -25,7 +25,7 @@ def test_sound_files_are_read(name: str, tmp_path: Path) -> None:
 def test_mutated_files_end_in_a_result_or_in_one_sentence(name: str, seed: int) -> None:
     statuses, faults = fuzzed(KINDS[name], 75, seed)
     assert [fault.says for fault in faults] == []
-    assert min(statuses[0], statuses[2]) > 5
+    assert min(statuses[0], statuses[2]) >= 3
 
 
 def test_the_same_seed_makes_the_same_files() -> None:

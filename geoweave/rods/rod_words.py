@@ -7,6 +7,7 @@ import re
 import numpy as np
 
 from geoweave.arrays import Scalars
+from geoweave.documents import LARGEST
 from geoweave.errors import RodError
 
 __all__ = ["Words"]
@@ -57,4 +58,11 @@ class Words:
                 raise RodError(
                     f"line {self.line(count - k)}: '{word}' among {what} is not a finite number; correct it"
                 )
-        return np.array(words, dtype=np.float64)
+        values = np.array(words, dtype=np.float64)
+        beyond = np.flatnonzero(~(np.abs(values) <= LARGEST))
+        if len(beyond):
+            k = int(beyond[0])
+            raise RodError(
+                f"line {self.line(count - k)}: {words[k]} among {what} is beyond {LARGEST:g}; correct it"
+            )
+        return values

@@ -29,6 +29,12 @@ AGAIN = "write it again with 'geoweave weave'"
 MOST_SEGMENTS = 1_000_000
 """Rods of more segments than this are refused; those of the largest weaves here have a hundredth of it."""
 
+AS_LONG = 0.1
+"""The points of a ribbon may make a line whose length differs from the ribbon's by this share of it.
+
+Chords are a little shorter than a curve, and rods at rest are a little stretched.
+"""
+
 WEAVE = documents.entries(
     units=documents.text("mesh", "mm"),
     width=documents.number(above=0),
@@ -101,6 +107,12 @@ def read_weave(path: str | PathLike[str]) -> dict[str, Any]:
 def _check_crossings(document: Mapping[str, Any]) -> None:
     """Refuse crossings of ribbons that are not there, and ribbons that would need too many segments."""
     lengths = [each["length"] for each in document["ribbons"]]
+    for number, ribbon in enumerate(document["ribbons"]):
+        along = _line(ribbon)[2]
+        if abs(along - lengths[number]) > AS_LONG * lengths[number]:
+            raise ValueError(
+                f"ribbons[{number}] is {lengths[number]:g} long by its length, and {along:g} by its points"
+            )
     for number, crossing in enumerate(document["crossings"]):
         if max(crossing["ribbons"]) >= len(lengths):
             raise ValueError(f"crossings[{number}].ribbons names a ribbon that is not there")

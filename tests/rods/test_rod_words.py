@@ -23,3 +23,9 @@ def test_missing_and_wrong_words_are_told():
         Words("1\nx").numbers(2, "widths")
     with pytest.raises(RodError, match="from 0 to 1"):
         Words("2").whole("a flag", 0, 1)
+
+
+@pytest.mark.parametrize("word", ["1e300", "-1e60", "1e400"])
+def test_numbers_whose_squares_overflow_are_told(word):
+    with pytest.raises(RodError, match=f"line 2: {word} among widths is beyond 1e\\+50; correct it"):
+        Words(f"1\n{word}").numbers(2, "widths")

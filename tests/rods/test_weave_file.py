@@ -77,6 +77,16 @@ def test_what_is_no_weave_is_refused(tmp_path: Path) -> None:
         read_weave(tmp_path / "y.json")
 
 
+def test_points_that_do_not_fit_the_length_are_refused_before_the_work(tmp_path: Path) -> None:
+    """One coordinate out of place would cut its ribbon into millions of segments."""
+    wrong = json.loads(json.dumps(document()))
+    wrong["ribbons"][1]["points"][0][2] = 2147483648
+    path = tmp_path / "far.json"
+    path.write_text(json.dumps(wrong))
+    with pytest.raises(WeaveFileError, match=r"far\.json: ribbons\[1\] is .* long by its length"):
+        read_weave(path)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
