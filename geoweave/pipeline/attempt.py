@@ -101,7 +101,8 @@ def _judged(
     try:
         twin, likeness = put_together(written, beside, {}, say)
     except GeoweaveError as error:
-        return verdict_of(inspection, strips, relaxed, (str(error),))
+        # Without what the message advises for a file: a verdict names what was tried here.
+        return verdict_of(inspection, strips, relaxed, (str(error).partition("; ")[0],))
     target = next(iter(likeness.values()))
     openings = surface_of(strips.designed).openings
     broken = rebuilt_reasons(twin, target, weave.mesh.genus, openings)

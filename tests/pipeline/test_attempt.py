@@ -49,7 +49,7 @@ def test_the_strips_are_judged_as_they_are_written(monkeypatch: pytest.MonkeyPat
 
     def refused(pattern: Pattern, *_: Any) -> Any:
         judged.append(pattern)
-        raise FieldError("the pattern contradicts itself")
+        raise FieldError("the pattern contradicts itself; correct the place")
 
     monkeypatch.setattr(module, "put_together", refused)
     made = attempted(surface(), 0, REQUEST, True, {}, lambda text: None, first().weave)
