@@ -123,7 +123,7 @@ def read_singularities(path: str | os.PathLike[str]) -> tuple[Singularity, ...]:
     >>> from pathlib import Path
     >>> from geoweave.weave import read_singularities
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = Path(f"{folder}/poles.csv").write_text("x,y,z,index\n0,0,1,6\\n0,0,-1,6\\n")
+    ...     _ = Path(f"{folder}/poles.csv").write_text("x,y,z,index\\n0,0,1,6\\n0,0,-1,6\\n")
     ...     [each.numerator for each in read_singularities(f"{folder}/poles.csv")]
     [6, 6]
     """
@@ -163,7 +163,7 @@ def read_guide(path: str | os.PathLike[str]) -> tuple[Point, ...]:
     >>> from pathlib import Path
     >>> from geoweave.weave import read_guide
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = Path(f"{folder}/up.txt").write_text("0 0 1  # a direction\n")
+    ...     _ = Path(f"{folder}/up.txt").write_text("0 0 1  # a direction\\n")
     ...     read_guide(f"{folder}/up.txt")
     ((0.0, 0.0, 1.0),)
     """
