@@ -53,8 +53,9 @@ class NotebookError(GeoweaveError):
 
 
 def names(root: Path) -> list[str]:
-    """Names of the notebooks of a checkout, in reading order."""
-    return sorted(path.stem for path in (root / "notebooks").glob("*.ipynb"))
+    """Names of the notebooks of a checkout, in reading order: what goes beyond the paper comes last."""
+    found = (path.stem for path in (root / "notebooks").glob("*.ipynb"))
+    return sorted(found, key=lambda name: (name.startswith("beyond"), name))
 
 
 def path_of(root: Path, name: str) -> Path:

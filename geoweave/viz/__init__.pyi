@@ -2,9 +2,11 @@ from . import style as style
 from .arrows import Arrows as Arrows, face_arrows as face_arrows, mark as mark, scattered as scattered
 from .charts import (
     Drop as Drop,
+    Front as Front,
     alternation_chart as alternation_chart,
     convergence_chart as convergence_chart,
     drop_chart as drop_chart,
+    front_chart as front_chart,
 )
 from .film import Film as Film, relaxing as relaxing
 from .layout import gallery as gallery

@@ -204,3 +204,54 @@ def _arrow(axes: Axes, start: float, end: float, level: float, colour: str, ink:
                   ha="left" if side > 0 else "right", va="center", size=8.5, color=ink)  # fmt: skip
     axes.annotate(f"{end:.2f}", (end, level), (-side, 0), textcoords="offset points",
                   ha="right" if side > 0 else "left", va="center", size=8.5, color=ink)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Front:
+    """Choices that trade one number against another, such as fewer branch points against curl."""
+
+    label: str
+    across: Sequence[float]
+    upwards: Sequence[float]
+
+
+def front_chart(
+    fronts: Sequence[Front],
+    *,
+    across: str = "branch points",
+    upwards: str = "total curl (bounding radius 1)",
+    width: int = 1500,
+    height: int = 900,
+    alt: str = "",
+) -> Picture:
+    """Draw fronts as lines with a dot for each choice; one of a single choice is a larger dot.
+
+    Raises
+    ------
+    RenderError
+        If there is nothing to draw, or numbers do not come in pairs.
+
+    Examples
+    --------
+    >>> viz.front_chart([viz.Front("merged", [9, 5], [1.0, 2.0]), viz.Front("start", [9], [1.0])]).alt
+    'total curl (bounding radius 1) over branch points: merged, start'
+    """
+    if not fronts or any(not len(each.across) or len(each.across) != len(each.upwards) for each in fronts):
+        raise RenderError("a chart of fronts needs one front or more, and two numbers for every choice")
+    figure = sheet(width, height)
+    with style.applied():
+        axes = figure.add_axes((0.085, 0.125, 0.88, 0.83))
+        colours = (style.BLUE, style.RED, style.GREEN, style.INK)
+        for k, each in enumerate(fronts):
+            colour, single = colours[k % len(colours)], len(each.across) == 1
+            axes.plot(
+                each.across, each.upwards, "o" if single else "o-", color=colour, label=each.label,
+                markersize=9 if single else 4, linewidth=1.6, zorder=3 if single else 2,
+            )  # fmt: skip
+        axes.set_xlabel(across)
+        axes.set_ylabel(upwards)
+        axes.set_ylim(0.0, None)
+        axes.grid(axis="y", color=style.LINE, linewidth=0.5)
+        axes.set_axisbelow(True)
+        axes.legend(frameon=False, fontsize=10)
+    return Picture(figure, alt or f"{upwards} over {across}: {', '.join(each.label for each in fronts)}")
