@@ -39,3 +39,13 @@ def test_the_chart_of_drops_shows_ours_and_the_papers() -> None:
     assert grey[1] > grey[0] + 1000
     with pytest.raises(RenderError, match="at least one model"):
         viz.drop_chart([])
+
+
+def test_the_chart_of_fronts_draws_every_choice() -> None:
+    line = viz.Front("merged", [9.0, 5.0, 3.0], [1.0, 2.0, 4.0])
+    both = viz.front_chart([line, viz.Front("start", [9.0], [1.0])]).pixels
+    assert (both != viz.front_chart([line]).pixels).any()
+    assert (both != viz.front_chart([line, viz.Front("start", [8.0], [1.0])]).pixels).any()
+    for bad in ([], [viz.Front("none", [], [])], [viz.Front("odd", [1.0], [1.0, 2.0])]):
+        with pytest.raises(RenderError, match="two numbers for every choice"):
+            viz.front_chart(bad)
