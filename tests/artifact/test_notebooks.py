@@ -212,6 +212,13 @@ class TestTheReaders:
         ]
 
 
+def test_what_goes_beyond_the_paper_comes_last(tmp_path: Path) -> None:
+    (tmp_path / "notebooks").mkdir()
+    for name in ("table1", "beyond2_b", "fig01_a", "beyond1_a", "00_overview"):
+        (tmp_path / "notebooks" / f"{name}.ipynb").write_text("{}")
+    assert notebooks.names(tmp_path) == ["00_overview", "fig01_a", "table1", "beyond1_a", "beyond2_b"]
+
+
 def test_the_notebooks_of_part_one_are_there() -> None:
     assert {"00_overview", "table1", "fig08_gallery", "fig26_convergence"} <= set(NAMES)
 
