@@ -1,3 +1,4 @@
+from .bench import Bench as Bench
 from .bill import Bill as Bill, bill_of as bill_of
 from .colours import Colours as Colours
 from .crossing_order import (
@@ -29,5 +30,5 @@ from .pieces import Making as Making, pieces_of as pieces_of
 from .presets import LABELS as LABELS, PRESETS as PRESETS, Preset as Preset, preset_of as preset_of
 from .sheet_sizes import PAPERS as PAPERS, Paper as Paper, stock_of as stock_of
 from .strip_drawing import drawn as drawn
-from .strip_layout import Bench as Bench, StripLayout as StripLayout, layout as layout
+from .strip_layout import StripLayout as StripLayout, layout as layout
 from .svg import read_svg as read_svg

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from geoweave.errors import FieldError
@@ -53,16 +53,25 @@ class CutList(NamedTuple):
         """How many pieces come from each stock length."""
         return tuple(self.stock.count(number) for number in range(1, self.used + 1))
 
-    def text(self, pattern: Pattern, order: Sequence[Step]) -> str:
+    def text(
+        self,
+        pattern: Pattern,
+        order: Sequence[Step],
+        places: Mapping[str, Mapping[Piece, tuple[int, int]]] | None = None,
+        keys: Mapping[Piece, str] | None = None,
+    ) -> str:
         """The contents of ``cutlist.csv``: a row for each piece, then the totals in metres.
 
         ``order`` is the number of the step at which a strip is laid in; ``bow_mm`` and ``turning_deg`` are
-        the bending of a ribbon that a straight strip neglects.
+        the bending of a ribbon that a straight strip neglects. ``places`` are page and row of each piece, by
+        what it lies on, a pair of columns each; ``keys`` what stands in the key for it.
         """
+        where, lines = places or {}, keys or {}
+        more = [f"{medium}_{what}" for medium in where for what in ("page", "row")]
         step = {each.strip: number for number, each in enumerate(order, 1)}
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(COLUMNS)
+        writer.writerow([*COLUMNS, *more, *(["key"] if keys else [])])
         for piece, stock in zip(self.pieces, self.stock, strict=True):
             strip = pattern.strips[piece.strip]
             writer.writerow(
@@ -78,6 +87,8 @@ class CutList(NamedTuple):
                     step[piece.strip],
                     f"{strip.bow:.2f}",
                     f"{strip.turning:.2f}",
+                    *(number for each in where.values() for number in each[piece]),
+                    *([lines.get(piece, "")] if keys else []),
                 ]
             )
         writer.writerow([])

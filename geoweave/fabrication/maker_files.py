@@ -7,9 +7,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from geoweave.fabrication.bench import Bench, media_of
 from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.strip_layout import Bench, StripLayout, media_of
+from geoweave.fabrication.strip_layout import StripLayout
 from geoweave.files import Job, OutputError, chosen, written_together
 
 __all__ = ["FORMATS", "check_formats", "files_of", "jobs_of", "layout_for", "write"]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from geoweave.fabrication.bill import bill_of
 from geoweave.fabrication.nesting import used_share
 from geoweave.fabrication.pdf import FOOT, MARGIN
 from geoweave.fabrication.strip_layout import StripLayout
@@ -32,8 +31,7 @@ def layout_numbers(laid: StripLayout) -> dict[str, Any]:
     (1, True)
     """
     pattern, bench = laid.pattern, laid.bench
-    pieces = tuple(each.piece for each in laid.drawings)
-    bill = bill_of(pattern, pieces, bench.making, bench.density)
+    bill = laid.bill
     smallest = min((each.smallest for each in laid.drawings), default=math.inf)
     shares: dict[str, float] = {}
     sheets = laid.sheets if "sheet" in laid.media else ()
@@ -48,7 +46,7 @@ def layout_numbers(laid: StripLayout) -> dict[str, Any]:
         "pages": {name: len(found) for name, found in pages.items()},
         "used_share": {name: round(share, 4) for name, share in shares.items()},
         "strips": len(pattern.strips),
-        "pieces": len(pieces),
+        "pieces": len(laid.drawings),
         "width": pattern.width,
         "thickness": pattern.thickness,
         "smallest_text_mm": None if math.isinf(smallest) else round(smallest, 4),

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from os import PathLike
 from typing import TYPE_CHECKING
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.colours import INK, Colours, ink, mixed
+from geoweave.fabrication.colours import INK, Colours, mixed
 from geoweave.fabrication.marks import outline
 from geoweave.fabrication.nesting import Sheet, Stock, nested
 from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pdf_front import Line, draw_front, front_count
+from geoweave.fabrication.pdf_marks import strip_operators
 from geoweave.fabrication.sheet_sizes import Paper
-from geoweave.fabrication.strip_figures import LAYERS, ROLES, Drawn, Figure
+from geoweave.fabrication.strip_figures import Drawn
 from geoweave.files import replacing
 
 if TYPE_CHECKING:
@@ -50,6 +53,8 @@ def write_pdf(
     paper: Paper,
     colours: Colours,
     title: str,
+    front: Sequence[Line] = (),
+    mirror: bool = False,
 ) -> None:
     """Write pages as PDF, whole or not at all.
 
@@ -61,6 +66,8 @@ def write_pdf(
     paper : that the pages were laid out for, one of `geoweave.fabrication.PAPERS`
     colours : of the families
     title : stands on each page
+    front : lines of the first pages, which are numbered with the others
+    mirror : whether the strips are drawn as seen from the inside
 
     Examples
     --------
@@ -74,63 +81,78 @@ def write_pdf(
     ...     path.read_bytes()[:5]
     b'%PDF-'
     """
-    data = pdf_bytes(pattern, pages, paper, colours, title)
+    data = pdf_bytes(pattern, pages, paper, colours, title, front, mirror)
     with replacing(path) as temporary:
         temporary.write_bytes(data)
 
 
-def pdf_bytes(pattern: Pattern, pages: Sequence[Sheet], paper: Paper, colours: Colours, title: str) -> bytes:
+def pdf_bytes(
+    pattern: Pattern,
+    pages: Sequence[Sheet],
+    paper: Paper,
+    colours: Colours,
+    title: str,
+    front: Sequence[Line] = (),
+    mirror: bool = False,
+) -> bytes:
     """The file, without a date: the same pages give the same bytes."""
     # The library is loaded by those who write pages only.
     from reportlab.pdfgen.canvas import Canvas
+    from reportlab.pdfgen.pathobject import PDFPathObject
 
     out = io.BytesIO()
-    canvas = Canvas(out, pagesize=(paper.width * MM, paper.height * MM), invariant=1, pageCompression=1)
-    canvas.setTitle(title)
-    canvas.setCreator("geoweave")
-    for number in range(len(pages)):
-        canvas.saveState()
-        canvas.scale(MM, MM)
-        canvas.setLineCap(1)
-        canvas.setLineJoin(1)
-        _strips(canvas, pages[number], colours)
-        _crosses(canvas, paper)
-        _ruler(canvas)
-        _legend(canvas, pattern, paper, colours)
-        _map(canvas, pattern, pages, number, paper, colours, title)
-        canvas.restoreState()
-        canvas.showPage()
-    canvas.save()
+    before = front_count(front, paper)
+    total = before + len(pages)
+    with _binary():
+        canvas = Canvas(out, pagesize=(paper.width * MM, paper.height * MM), invariant=1, pageCompression=1)
+        canvas.setTitle(title)
+        canvas.setCreator("geoweave")
+        for number in range(total):
+            canvas.saveState()
+            canvas.scale(MM, MM)
+            canvas.setLineCap(1)
+            canvas.setLineJoin(1)
+            if number < before:
+                draw_front(canvas, front, paper, number)
+            else:
+                page = pages[number - before]
+                code = strip_operators(page, colours, MARGIN, MARGIN + FOOT)
+                canvas.drawPath(PDFPathObject(code=code), stroke=0, fill=0)
+                _row_numbers(canvas, page)
+                _crosses(canvas, paper)
+                _ruler(canvas)
+                _legend(canvas, pattern, paper, colours, mirror)
+                _map(canvas, pattern, pages, number - before, paper, colours)
+            canvas.setFillColor(INK)
+            canvas.setFont("Helvetica-Bold", 2.6)
+            right = paper.width - MARGIN - 2
+            canvas.drawRightString(right, 13.2, f"{title}   {paper.name}   page {number + 1} of {total}")
+            canvas.restoreState()
+            canvas.showPage()
+        canvas.save()
     return out.getvalue()
 
 
-def _strips(canvas: Canvas, page: Sheet, colours: Colours) -> None:
-    shown = [laid.figures for laid in page.laid]
-    for layer in LAYERS:
-        for figures in shown:
-            for figure in figures:
-                if ROLES[figure.role] == layer:
-                    _figure(canvas, figure.moved(MARGIN, MARGIN + FOOT), colours)
+@contextmanager
+def _binary() -> Iterator[None]:
+    """Streams as they are, not written as letters; the switch of the library goes back to what it was."""
+    from reportlab import rl_config
+
+    before = rl_config.useA85
+    rl_config.useA85 = 0
+    try:
+        yield
+    finally:
+        rl_config.useA85 = before
 
 
-def _figure(canvas: Canvas, figure: Figure, colours: Colours) -> None:
-    from reportlab.pdfgen.pathobject import PDFPathObject
-
-    look = ink(figure, colours)
-    if look is None:
-        return
-    if look.stroke is not None:
-        canvas.setStrokeColor(look.stroke)
-        canvas.setLineWidth(look.width)
-    if look.fill is not None:
-        canvas.setFillColor(look.fill)
-    # The numbers are written here: most of the time of a file would go into how the library writes them.
-    code = []
-    for points in figure.paths:
-        code += [f"{x:.4f} {y:.4f} {'l' if k else 'm'}" for k, (x, y) in enumerate(points.tolist())]
-        code += ["h"] if figure.closed else []
-    path = PDFPathObject(code=code)
-    canvas.drawPath(path, stroke=int(look.stroke is not None), fill=int(look.fill is not None))
+def _row_numbers(canvas: Canvas, page: Sheet) -> None:
+    """The number of each row, left of it, as the index says it."""
+    canvas.setFillColor(FAINT)
+    canvas.setFont("Helvetica", 2.3)
+    rows = {laid.row: laid.y for laid in reversed(page.laid)}
+    for row, y in rows.items():
+        canvas.drawRightString(MARGIN - 1.0, MARGIN + FOOT + y - 0.8, str(row))
 
 
 def _crosses(canvas: Canvas, paper: Paper) -> None:
@@ -164,7 +186,7 @@ def _ruler(canvas: Canvas) -> None:
     canvas.drawString(x, y - 3.4, "The bar is 100 mm long. Print at 100 %, without fitting to the page.")
 
 
-def _legend(canvas: Canvas, pattern: Pattern, paper: Paper, colours: Colours) -> None:
+def _legend(canvas: Canvas, pattern: Pattern, paper: Paper, colours: Colours, mirror: bool) -> None:
     """What over and under look like."""
     families = sorted({strip.family for strip in pattern.strips})
     own, other = (colours.of_family(families[k % len(families)]) for k in (0, 1))
@@ -201,8 +223,9 @@ def _legend(canvas: Canvas, pattern: Pattern, paper: Paper, colours: Colours) ->
     canvas.setFillColor(FAINT)
     canvas.setFont("Helvetica", 2.3)
     apart = (paper.width - 2 * CROSS, paper.height - 2 * CROSS)
+    side = "inwards" if mirror else "outwards"
     canvas.drawString(
-        x, 16.6 - 3.2, f"Printed side outwards. Corner crosses are {apart[0]:g} x {apart[1]:g} mm apart."
+        x, 16.6 - 3.2, f"Printed side {side}. Corner crosses are {apart[0]:g} x {apart[1]:g} mm apart."
     )
 
 
@@ -228,7 +251,6 @@ def _map(
     number: int,
     paper: Paper,
     colours: Colours,
-    title: str,
 ) -> None:
     """All pages, small, with their strips; this one in a frame."""
     right, top, high = paper.width - MARGIN - 2, MARGIN + FOOT - 2.6, 13.0
@@ -266,6 +288,3 @@ def _map(
                 base,
             )
         canvas.setLineCap(1)
-    canvas.setFillColor(INK)
-    canvas.setFont("Helvetica-Bold", 2.6)
-    canvas.drawRightString(right, 13.2, f"{title}   {paper.name}   page {number + 1} of {len(pages)}")

@@ -35,6 +35,7 @@ class StripCanvas:
     Attributes
     ----------
     pattern, piece, making : what is drawn
+    raised : whether marks stand at an edge, with room for a line of names along the other one
     strip : the strip that the piece is of
     width, length : of the piece, mm
     edge : from the middle to the edge, mm
@@ -51,8 +52,8 @@ class StripCanvas:
     named : whether the name of the strip found room
     """
 
-    def __init__(self, pattern: Pattern, piece: Piece, making: Making) -> None:
-        self.pattern, self.piece, self.making = pattern, piece, making
+    def __init__(self, pattern: Pattern, piece: Piece, making: Making, raised: bool = False) -> None:
+        self.pattern, self.piece, self.making, self.raised = pattern, piece, making, raised
         self.strip = pattern.strips[piece.strip]
         self.width, self.length = pattern.width, piece.length
         self.edge = 0.5 * pattern.width

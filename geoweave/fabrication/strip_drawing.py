@@ -29,6 +29,9 @@ __all__ = ["drawn", "number_of"]
 NICK = (0.12, 1.2)
 """How deep a nick goes into the edge: a share of the width, and at most so many mm."""
 
+CRUMB = 0.08
+"""Pieces of guides shorter than this share of the width are left out."""
+
 HOLE_POINTS = 32
 """Corners of a hole where a file knows no circles."""
 
@@ -55,11 +58,11 @@ def drawn(pattern: Pattern, piece: Piece, making: Making) -> Drawn:
     >>> names == {f"{pattern.strips[0].label} >"}
     True
     """
-    canvas = StripCanvas(pattern, piece, making)
-    placed = place_marks(canvas)
-    write_names(canvas)
-    _headings(canvas)
-    write_labels(canvas, placed)
+    canvas = _written(pattern, piece, making, False)
+    if canvas.key or not canvas.named:
+        other = _written(pattern, piece, making, True)
+        if (other.named, -len(other.key)) > (canvas.named, -len(canvas.key)):
+            canvas = other
     # Writing takes its room first, but it is drawn above what lies under it.
     writing, canvas.figures = canvas.figures, []
     outline = _body(canvas)
@@ -79,6 +82,16 @@ def drawn(pattern: Pattern, piece: Piece, making: Making) -> Drawn:
         canvas.named,
         min((f.spot.size for f in writing if f.text and f.spot is not None), default=math.inf),
     )
+
+
+def _written(pattern: Pattern, piece: Piece, making: Making, raised: bool) -> StripCanvas:
+    """A piece with its marks and names, marks in the middle or at an edge."""
+    canvas = StripCanvas(pattern, piece, making, raised)
+    placed = place_marks(canvas)
+    write_names(canvas)
+    write_labels(canvas, placed)
+    _headings(canvas)
+    return canvas
 
 
 def number_of(label: str, otherwise: int) -> int:
@@ -156,6 +169,8 @@ def _guides(canvas: StripCanvas, each: Passage) -> None:
             base = middle + sign * offset * left
             seen = within(base - far, base + far, canvas.length, canvas.edge)
             if seen is not None:
-                parts = dashes(*seen, min(0.22 * canvas.width, 2.5)) if each.over else [np.array(seen)]
+                parts = dashes(*seen, min(0.3 * canvas.width, 3.0)) if each.over else [np.array(seen)]
                 lines += [part for dash in parts for part in outside(dash, canvas.clear)]
+    # What is left of a line between two letters says nothing.
+    lines = [each for each in lines if np.hypot(*(each[1] - each[0])) > CRUMB * canvas.width]
     canvas.add("over" if each.over else "under", lines, False, family, "", each.crossing)

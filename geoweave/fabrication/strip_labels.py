@@ -93,6 +93,9 @@ def _places(canvas: StripCanvas, spot: Placed, box: Box) -> list[tuple[float, fl
     across, up = spot.radius + 1.3 * canvas.pad + box.right, spot.radius + 1.3 * canvas.pad + box.top
     drop = min(aside, spot.radius)
     places = [(spot.x + way * across, y) for y in (spot.y, 0.0) for way in (1, -1)]
+    beside = [0.0, *(way * share * (box.right - spot.radius) for share in (0.5, 1.0) for way in (1, -1))]
+    if canvas.raised:
+        places = [(spot.x + slide, spot.y - up) for slide in beside] + places
     places += [(spot.x, spot.y - up), (spot.x, spot.y + up)]
     places += [(spot.x + way * across, spot.y + lift) for lift in (drop, -drop) for way in (1, -1)]
     slide = 0.5 * (box.right - spot.radius)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from os import PathLike
@@ -13,7 +12,8 @@ from typing import Any
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.assembly_order import Step, assembly
-from geoweave.fabrication.colours import Colours
+from geoweave.fabrication.bench import Bench, media_of
+from geoweave.fabrication.bill import Bill, bill_of
 from geoweave.fabrication.crossing_order import order_sentence
 from geoweave.fabrication.cut_list import cut_list
 from geoweave.fabrication.dxf import write_dxf
@@ -21,61 +21,21 @@ from geoweave.fabrication.flattening import WeaveLike, free_end, pattern_of, tri
 from geoweave.fabrication.glb import write_glb
 from geoweave.fabrication.guide_page import guide_html
 from geoweave.fabrication.making_limits import check_made
-from geoweave.fabrication.nesting import Sheet, Stock, nested
+from geoweave.fabrication.nesting import Sheet, nested
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pdf import laid_on_pages, page_stock, write_pdf
-from geoweave.fabrication.pieces import Making, pieces_of
+from geoweave.fabrication.pdf_front import Line, front_count, front_lines, key_text
+from geoweave.fabrication.pieces import Piece, pieces_of
 from geoweave.fabrication.sheet_sizes import PAPERS, paper_of
 from geoweave.fabrication.strip_drawing import drawn
 from geoweave.fabrication.strip_figures import Drawn
 from geoweave.fabrication.svg import write_svg
 from geoweave.files import Job, OutputError, check_writable, written_together
 
-__all__ = ["Bench", "StripLayout", "layout", "media_of"]
+__all__ = ["StripLayout", "layout"]
 
 MOST_SHEETS = 400
 """Pages or sheets that are still written."""
-
-
-@dataclass(frozen=True)
-class Bench:
-    """How a pattern is made.
-
-    Attributes
-    ----------
-    making : overlap, extra and kerf
-    stock : sheets of the SVG and of the DXF; by default one long sheet
-    stock_length : of the strips that the cut list counts, mm
-    colours : of SVG and DXF
-    paper_colours : of the pages, the GLB and the guide
-    title : what the drawings are called
-    papers : of the pages, names of `PAPERS`
-    density : of the material, g/cm3
-
-    Examples
-    --------
-    >>> Making, Stock = gw.fabrication.Making, gw.fabrication.Stock
-    >>> bench = gw.fabrication.Bench(Making(overlap=10.0), Stock(width=600.0, height=300.0))
-    >>> bench.stock.room  # mm that a strip may be long
-    590.0
-    """
-
-    making: Making = field(default_factory=Making)
-    stock: Stock = field(default_factory=Stock)
-    stock_length: float = 1000.0
-    colours: Colours = field(default_factory=Colours)
-    paper_colours: Colours = field(default_factory=lambda: Colours("paper"))
-    title: str = "weave"
-    papers: tuple[str, ...] = ("a4", "letter")
-    density: float = 0.8
-
-    def __post_init__(self) -> None:
-        for name in self.papers:
-            paper_of(name)
-        if not (math.isfinite(self.stock_length) and self.stock_length > 0):
-            raise FieldError(f"the stock length must be a positive number of mm, not {self.stock_length}")
-        if not (math.isfinite(self.density) and self.density > 0):
-            raise FieldError(f"the density must be a positive number of g/cm3, not {self.density}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -211,11 +171,49 @@ class StripLayout:
         """As `files`, for pages on a paper."""
         self._check_order()
         pages, size, bench = self.pages(paper), PAPERS[paper], self.bench
+        front = self.front(paper)
         return {
             f"{stem}.pdf": lambda path: write_pdf(
-                path, self.pattern, pages, size, bench.paper_colours, bench.title
+                path,
+                self.pattern,
+                pages,
+                size,
+                bench.paper_colours,
+                bench.title,
+                front,
+                bench.making.mirror,
             )
         }
+
+    @cached_property
+    def bill(self) -> Bill:
+        """What the object takes to make."""
+        pieces = tuple(each.piece for each in self.drawings)
+        return bill_of(self.pattern, pieces, self.bench.making, self.bench.density)
+
+    def front(self, paper: str) -> list[Line]:
+        """The lines of the first pages: index, signs and key."""
+        drawings = sorted(self.drawings, key=lambda each: (each.family, each.number, each.piece.number))
+        pages = self.pages(paper)
+
+        def lines(before: int) -> list[Line]:
+            places = _places(pages, before)
+            making, title = self.bench.making, self.bench.title
+            return front_lines(self.pattern, drawings, places, making, self.bill, title)
+
+        return lines(front_count(lines(0), PAPERS[paper]))
+
+    @cached_property
+    def places(self) -> dict[str, dict[Piece, tuple[int, int]]]:
+        """Page or sheet of each piece, and its row there, by medium: "sheet" or the name of a paper."""
+        found = {}
+        for medium in self.media:
+            if medium == "sheet":
+                found[medium] = _places(self.sheets, 0)
+            elif medium in PAPERS:
+                before = front_count(self.front(medium), PAPERS[medium])
+                found[medium] = _places(self.pages(medium), before)
+        return found
 
     def _check_order(self) -> None:
         """Refuse to write strips of another weave than the design."""
@@ -258,7 +256,8 @@ class StripLayout:
     def _csv(self, stem: str) -> dict[str, Job]:
         pieces = [each.piece for each in self.drawings]
         found = cut_list(self.pattern, self.bench.making, self.bench.stock_length, pieces)
-        return {f"{stem}.csv": _text(found.text(self.pattern, self.order))}
+        keys = {each.piece: "; ".join(key_text(each)) for each in self.drawings}
+        return {f"{stem}.csv": _text(found.text(self.pattern, self.order, self.places, keys))}
 
     def _json(self, stem: str) -> dict[str, Job]:
         return {f"{stem}.json": _text(json.dumps(self.document(), indent=1, allow_nan=False) + "\n")}
@@ -295,19 +294,6 @@ _KINDS = {
     ".html": "guide",
 }
 """Ending of the files of each format."""
-
-
-def media_of(formats: Iterable[str], papers: Sequence[str]) -> tuple[str, ...]:
-    """What files of some formats are cut from: pieces of strips must fit on all of it."""
-    found: list[str] = []
-    for name in formats:
-        if name in ("svg", "dxf"):
-            found.append("sheet")
-        elif name == "pdf":
-            found += papers
-        elif name == "csv":
-            found.append("stock")
-    return tuple(dict.fromkeys(found)) or ("sheet",)
 
 
 def layout(
@@ -353,6 +339,15 @@ def layout(
     document = weave_document(weave)
     pattern = pattern_of(document, end=free_end(document) if end is None else end)
     return StripLayout(pattern, how, document)
+
+
+def _places(sheets: Sequence[Sheet], before: int) -> dict[Piece, tuple[int, int]]:
+    """Number of the sheet of each piece, from 1 after those before, and of its row."""
+    return {
+        laid.drawn.piece: (number, laid.row)
+        for number, sheet in enumerate(sheets, before + 1)
+        for laid in sheet.laid
+    }
 
 
 def _few(sheets: tuple[Sheet, ...]) -> tuple[Sheet, ...]:

@@ -56,7 +56,8 @@ def _clusters(canvas: StripCanvas) -> Iterator[list[Passage]]:
 def _cluster(canvas: StripCanvas, run: list[Passage]) -> list[Placed | None]:
     """The largest marks for which there is room on the lines of all partners of a run."""
     aside = canvas.inside - canvas.radius
-    patterns: list[list[float]] = [[0.0] * len(run)] if len(run) == 1 else []
+    patterns: list[list[float]] = [[0.0] * len(run)] if len(run) == 1 and not canvas.raised else []
+    patterns += [[1.0] * len(run)] if canvas.raised else []
     patterns += [[(-1.0) ** (k + first) for k in range(len(run))] for first in (0, 1)]
     patterns += [[float((k + first) % 3 - 1) for k in range(len(run))] for first in (0, 1, 2)]
     for share in SHRUNK:

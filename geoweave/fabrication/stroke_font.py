@@ -26,6 +26,9 @@ GAP = 0.24
 SPACE = 0.35
 """Width of a blank, in heights."""
 
+SMOOTH = 0.05
+"""How far a stroke may be from its curve, where a letter is 6 high: 0.015 mm in the smallest letters."""
+
 COLUMN = 8.0
 """Width of the columns by which boxes are found again, mm: about that of a label."""
 
@@ -192,7 +195,7 @@ def _glyph(text: str) -> Strokes:
             points = np.concatenate([points, points[:1]])
         for _ in range(3 if soft else 0):
             points = _softer(points)
-        points = _bends(points)
+        points = _fewer(_bends(points))
         strokes.append(frozen(points / 6.0))
     return tuple(strokes)
 
@@ -210,6 +213,20 @@ def _bends(points: NDArray[np.float64]) -> NDArray[np.float64]:
     turn = way[:-1, 0] * way[1:, 1] - way[:-1, 1] * way[1:, 0]
     bent = np.abs(turn) > 0.02 * np.hypot(*way[:-1].T) * np.hypot(*way[1:].T)
     return points[np.concatenate([[True], bent, [True]])]
+
+
+def _fewer(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Leave out points that are nearer than `SMOOTH` to the line without them (Douglas and Peucker 1973)."""
+    if len(points) < 3:
+        return points
+    start, way = points[0], points[-1] - points[0]
+    length = float(np.hypot(*way))
+    off = points - start
+    far = np.abs(off[:, 0] * way[1] - off[:, 1] * way[0]) / length if length > 0 else np.hypot(*off.T)
+    k = int(far.argmax())
+    if far[k] < SMOOTH:
+        return points[[0, -1]]
+    return np.concatenate([_fewer(points[: k + 1])[:-1], _fewer(points[k:])])
 
 
 class Board:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from geoweave.errors import FieldError
 from geoweave.files import checked_folder, printable
 from geoweave.pipeline.attempt import attempted, with_remedy
+from geoweave.pipeline.cut_request import CutRequest
 from geoweave.pipeline.request import WeaveRequest, formats_of
 from geoweave.pipeline.source import (
     MeshSource,
@@ -212,11 +213,11 @@ def _pattern_jobs(
     cut: tuple[str, ...],
 ) -> tuple[dict[str, Job], dict[str, str]]:
     """What writes the files of the strips; and formats that are left out, each with the reason."""
-    from geoweave.fabrication import Bench, jobs_of
+    from geoweave.fabrication import jobs_of
 
     if strips is None:
         return {}, {}
-    bench = Bench(title=printable(Path(source.name).stem))
+    bench = CutRequest().bench(printable(Path(source.name).stem))
     try:
         return jobs_of(strips.pattern, cut, bench=bench, weave=weave, rest=strips.space), {}
     except FieldError as error:

@@ -295,8 +295,8 @@ def test_a_folder_without_a_weave_in_mm_is_refused(cut: Run, tmp_path: Path) -> 
 
 def test_the_same_files_as_weave_writes(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """What weave writes is what cut writes of the same folder, byte by byte."""
+    from geoweave.fabrication.bench import Bench
     from geoweave.fabrication.maker_files import jobs_of
-    from geoweave.fabrication.strip_layout import Bench
     from geoweave.pipeline.cut_request import CutRequest
     from geoweave.pipeline.strips import strips_of
 

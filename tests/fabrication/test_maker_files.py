@@ -9,12 +9,12 @@ import pytest
 from laidflat import circles, flat, patterns
 
 from geoweave.errors import FieldError
+from geoweave.fabrication.bench import Bench
 from geoweave.fabrication.glb import glb_bytes
 from geoweave.fabrication.maker_files import FORMATS, check_formats, write
 from geoweave.fabrication.nesting import Stock
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making
-from geoweave.fabrication.strip_layout import Bench
 from geoweave.files import OutputError
 
 ALL = {

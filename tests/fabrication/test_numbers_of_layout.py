@@ -5,10 +5,11 @@ from __future__ import annotations
 import pytest
 from laidflat import NAMES, patterns
 
+from geoweave.fabrication.bench import Bench
 from geoweave.fabrication.nesting import Stock
 from geoweave.fabrication.numbers_of_layout import layout_numbers
 from geoweave.fabrication.pieces import Making
-from geoweave.fabrication.strip_layout import Bench, StripLayout
+from geoweave.fabrication.strip_layout import StripLayout
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -10,9 +10,10 @@ import pytest
 from laidflat import circles, cone, flat, patterns
 
 from geoweave.errors import FieldError
+from geoweave.fabrication.bench import Bench
 from geoweave.fabrication.maker_files import write
 from geoweave.fabrication.nesting import Stock
-from geoweave.fabrication.strip_layout import Bench, layout
+from geoweave.fabrication.strip_layout import layout
 from geoweave.files import OutputError
 from geoweave.rods.weave_at_rest import relaxed_weave
 
