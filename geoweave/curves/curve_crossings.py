@@ -99,21 +99,22 @@ def crossings(curves: Curves) -> Crossings:
     bounds = np.flatnonzero(np.diff(np.concatenate([[-1], face, [mesh.n_faces]])))
     near = COINCIDENT * mesh.mean_edge
     pairs, shares = _pairs(bounds, running, begin, step, curves.following, ROUNDING * near)
-    segments = running[pairs]
+    segments, met_in = running[pairs], face[pairs[:, 0]]
     # Rounding may put a crossing a little before its segment; on a closed curve zero follows the length.
     arclength = curves.arclength[segments] + np.clip(shares, 0.0, 1.0) * curves.segment_lengths[segments]
     owner = curves.curve_of_point[segments]
     around = curves.closed[owner] & (arclength > curves.lengths[owner] - near)
     arclength = np.where(around, 0.0, arclength)
+    segments = np.where(around, curves.offsets[owner], segments)
     swap = (owner[:, 0] > owner[:, 1]) | ((owner[:, 0] == owner[:, 1]) & (arclength[:, 0] > arclength[:, 1]))
     turned = np.angle(step[pairs[:, 1]] * step[pairs[:, 0]].conj()) * np.where(swap, -1.0, 1.0)
     for each in (segments, arclength, owner):
         each[swap] = each[swap][:, ::-1]
     kept = _distinct(owner, arclength, turned, near)
-    segments, arclength, owner = segments[kept], arclength[kept], owner[kept]
+    segments, arclength, owner, met_in = segments[kept], arclength[kept], owner[kept], met_in[kept]
     share = (arclength[:, 0] - curves.arclength[segments[:, 0]]) / curves.segment_lengths[segments[:, 0]]
     points = curves.points[segments[:, 0]] + share[:, None] * curves.segments[segments[:, 0]]
-    return Crossings(owner, segments, arclength, points, curves.faces[segments[:, 0]], turned[kept])
+    return Crossings(owner, segments, arclength, points, met_in, turned[kept])
 
 
 @compiled

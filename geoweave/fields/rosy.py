@@ -16,6 +16,7 @@ from scipy import sparse
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
+from geoweave.fields.bending import bending_power
 from geoweave.fields.face_field import FaceField, edge_curl, random_field, unit
 from geoweave.fields.operators import connection_laplacian, spectral_shift
 from geoweave.fields.singularities import windings
@@ -25,13 +26,23 @@ from geoweave.surface import TriMesh
 Phase: TypeAlias = Literal["least-curl", "seeded"]
 """How the common rotation is chosen that the Dirichlet energy leaves free: see `smoothest_field`."""
 
+RoSyPhase: TypeAlias = Literal["bending", "seeded"]
+"""The same for an N-RoSy: see `smoothest_rosy`."""
+
+START_NOISE = 1e-3
+"""Share of random numbers in a start vector that is given, whose numbers are about 1."""
+
 UNIT_TOLERANCE = 1e-6
 """How far the modulus of an N-RoSy's number may be from 1, a number."""
 
 
 @one_blas_thread()
 def smoothest_eigenfield(
-    mesh: TriMesh, seed: int | np.random.Generator = 0, degree: int = 1
+    mesh: TriMesh,
+    seed: int | np.random.Generator = 0,
+    degree: int = 1,
+    *,
+    start: Complexes | None = None,
 ) -> tuple[Scalars, FaceField]:
     """Solve ``L u = mu M u`` for the smallest mu: the globally smoothest face field, not yet unit.
 
@@ -42,8 +53,10 @@ def smoothest_eigenfield(
     Parameters
     ----------
     mesh : any surface
-    seed : of the start vector
+    seed : of the random start vector
     degree : N; 1 for a vector field
+    start : (F,) start vector, to which a little of the random one is added: where the smallest eigenvalue is
+        multiple, the eigenvector nearest to it is found. The random one alone if not given
 
     Returns
     -------
@@ -51,7 +64,9 @@ def smoothest_eigenfield(
     field : the eigenvectors
     """
     rng = np.random.default_rng(seed)
-    start: Complexes = rng.normal(size=mesh.n_faces) + 1j * rng.normal(size=mesh.n_faces)
+    noise: Complexes = rng.normal(size=mesh.n_faces) + 1j * rng.normal(size=mesh.n_faces)
+    # The noise is there for a start that is orthogonal to the eigenvector, by a symmetry or as it is zero.
+    start = noise if start is None else start + START_NOISE * noise
     laplacian = connection_laplacian(mesh, degree)
     values = np.empty(mesh.n_faces, dtype=np.complex128)
     energies = []
@@ -288,24 +303,36 @@ class RoSyField:
         return np.asarray(self.index_numerators % self.degree != 0)
 
 
-def smoothest_rosy(mesh: TriMesh, degree: int = 6, seed: int | np.random.Generator = 0) -> RoSyField:
+def smoothest_rosy(
+    mesh: TriMesh,
+    degree: int = 6,
+    seed: int | np.random.Generator = 0,
+    *,
+    phase: RoSyPhase = "bending",
+) -> RoSyField:
     """Compute the globally smoothest N-RoSy on the faces (Appendix D, Knöppel et al. 2013).
 
     ``argmin |grad w*|^2 subject to |w*|^2 = 1`` over the representative ``w* = w^N``, the true smallest
     eigenvector of each component, then scaled to modulus 1. A common rotation of all vectors is left free
-    by the energy, and by the sum of squared curls over all N vectors where N > 2; the seed decides it.
+    by the energy, and by the sum of squared curls over all N vectors where N > 2.
 
     Parameters
     ----------
     mesh : any surface
     degree : N: 6 for a triaxial weave, 4 for a biaxial one
-    seed : of the start vector; where the smallest eigenvalue is multiple, as on the sphere, it also decides
-        where the singularities lie
+    seed : of the random part of the start vector
+    phase : which rotation to return. ``"bending"``, the default, is the one that brings the vectors nearest
+        to the directions in which the surface bends least, weighted by how much more it bends across them
+        (`bending_power`).
+        Neither the numbering of the mesh nor its place in space decides it, and a mirror image gets the
+        mirror image (DEVIATIONS.md, rosy-phase). ``"seeded"`` is the one that the random vector leads to;
+        where the smallest eigenvalue is multiple, as on the sphere, the seed then decides too where the
+        singularities lie
 
     Raises
     ------
     FieldError
-        If the degree is not positive.
+        If the degree is not positive or there is no such phase.
 
     See Also
     --------
@@ -319,5 +346,16 @@ def smoothest_rosy(mesh: TriMesh, degree: int = 6, seed: int | np.random.Generat
     """
     if degree < 1:
         raise FieldError(f"an N-RoSy has N >= 1 vectors on a face, not {degree}")
-    _, field = smoothest_eigenfield(mesh, seed, degree)
-    return RoSyField(mesh, degree, unit(field.values))
+    if phase not in ("bending", "seeded"):
+        raise FieldError(f"there is no phase '{phase}' of an N-RoSy: use 'bending' or 'seeded'")
+    if phase == "seeded":
+        _, field = smoothest_eigenfield(mesh, seed, degree)
+        return RoSyField(mesh, degree, unit(field.values))
+    wanted, weight = bending_power(mesh, degree)
+    _, field = smoothest_eigenfield(mesh, seed, degree, start=wanted)
+    values = unit(field.values)
+    # The rotation by a that makes the weighted sum of |exp(ia) u - wanted|^2 least.
+    product = mesh.face_areas * weight * wanted * values.conj()
+    component = mesh.face_components
+    total = np.bincount(component, product.real) + 1j * np.bincount(component, product.imag)
+    return RoSyField(mesh, degree, values * unit(total)[component])

@@ -12,14 +12,18 @@ from geoweave.fields import FaceField, as_complex, as_real
 from geoweave.foliation.circle_function import wrapped
 from geoweave.foliation.theta_energy import ThetaEnergy
 from geoweave.foliation.theta_systems import ThetaSystems
-from geoweave.sparse import Factorization, Ordering, bounded_minimum
+from geoweave.sparse import Factorization, Ordering, bounded_minimum, smallest_eigenvectors
 from geoweave.surface import TriMesh
 
-EIGENVALUE_TOLERANCE = 1e-4
-"""Relative change of the smallest eigenvalue at which inverse iteration ends."""
+SETTLED = 1e-6
+"""What the eigenvector of theta may leave of its equation, as a share of its eigenvalue.
 
-EIGENVALUE_STEPS = 60
-"""Most steps of inverse iteration; a handful is usual."""
+The next eigenvalue is often only a thousandth larger, and a crude eigenvector leaves it to its start where
+ribbons lie (DEVIATIONS.md, theta-start).
+"""
+
+START_NOISE = 1e-3
+"""Share of random numbers in the first z, whose other numbers are about 1."""
 
 FLOOR = 0.2
 """s stays above this share of its first value."""
@@ -114,9 +118,17 @@ class Alternation:
         self.least = FLOOR * first / unit
 
     def start(self, seed: int) -> Complexes:
-        """A first z for `eigenvector`."""
-        noise = np.random.default_rng(seed).normal(size=(2, self.mesh.n_vertices))
-        return np.asarray(noise[0] + 1j * noise[1])
+        """A first z for `eigenvector`: a standing wave round the centre, as long as the level sets are apart.
+
+        It decides the phase of theta where Eq. 8 leaves that free, and it depends on the surface alone. The
+        noise is there for an eigenvector that the wave is orthogonal to.
+        """
+        mesh, areas = self.mesh, self.mesh.face_areas
+        center = np.average(mesh.barycenters, axis=0, weights=areas)
+        turning = float(np.average(self.unit, weights=areas))
+        wave = np.cos(turning * np.linalg.norm(mesh.vertices - center, axis=1))
+        noise = np.random.default_rng(seed).normal(size=(2, mesh.n_vertices))
+        return np.asarray(wave + START_NOISE * (noise[0] + 1j * noise[1]))
 
     def theta_change(self, before: Scalars, after: Scalars) -> float:
         """Root mean square change of theta, after the best constant on each component: 0 or pi if twisted."""
@@ -128,22 +140,20 @@ class Alternation:
         return float(np.sqrt(np.average(left**2, weights=mass)))
 
     def eigenvector(self, z: Complexes, theta: Scalars | None, s: Scalars) -> tuple[Complexes, Scalars]:
-        """Inverse iteration for the smallest eigenvector at s; its angles replace theta if that pays."""
+        """Find the smallest eigenvector at s, from the last one; its angles replace theta if that pays."""
         component, mass, twisted = self.mesh.vertex_components, self.systems.mass, self.systems.twisted
-        matrix = self.systems.turned(s)
-        factors = self.systems.turned_factors(matrix)
-        quotient = np.inf
-        for _ in range(EIGENVALUE_STEPS):
-            right = mass * z
-            z = as_complex(factors.solve(as_real(right))) if twisted else factors.solve(right)
-            z = z / np.sqrt(np.bincount(component, mass * np.abs(z) ** 2))[component]
-            image = np.asarray(as_complex(matrix @ as_real(z)) if twisted else matrix @ z)
-            last, quotient = quotient, float((z.conj() @ image).real)
-            if last - quotient < EIGENVALUE_TOLERANCE * quotient:
-                break
-        found = np.angle(z)
-        better = theta is None or self.energy(found, s) < self.energy(theta, s)
-        return z, found if better or theta is None else theta
+        factors = self.systems.turned_factors(self.systems.turned(s))
+        if twisted:
+            groups = np.repeat(component, 2)
+            _, found = smallest_eigenvectors(
+                factors, np.repeat(mass, 2), as_real(z), groups, tolerance=SETTLED
+            )
+            z = as_complex(found)
+        else:
+            _, z = smallest_eigenvectors(factors, mass, z, component, tolerance=SETTLED)
+        turned = np.angle(z)
+        better = theta is None or self.energy(turned, s) < self.energy(theta, s)
+        return z, turned if better or theta is None else theta
 
     def improve_theta(self, theta: Scalars, s: Scalars) -> Scalars:
         """One Gauss-Newton step of Eq. 8 in theta alone."""

@@ -33,7 +33,7 @@ class ThetaSystems:
         mesh = eq8.mesh
         self.eq8, self.mesh = eq8, mesh
         mass = np.repeat(mesh.face_areas / eq8.unit**2, 3) / 3.0
-        self.mass = np.bincount(mesh.faces.ravel(), mass, mesh.n_vertices)
+        self.mass: Scalars = np.bincount(mesh.faces.ravel(), mass, mesh.n_vertices).astype(np.float64)
         self.twisted = bool((eq8.ends.between < 0).any())
         # What no edge crosses, no edge of the vertices alone or of the faces alone crosses either.
         self.ordering = vertices_and_faces(mesh) if ordering is None else ordering

@@ -7,10 +7,13 @@ even as the remesher would make it, with about as many triangles as the weave ne
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from geoweave.arrays import Scalars
 from geoweave.errors import MeshError
+from geoweave.meshing.place_order import ordered_by_place
 from geoweave.meshing.prepare import Prepared, remeshed
 from geoweave.surface import TriMesh
 
@@ -69,7 +72,7 @@ def evened(prepared: Prepared, *, ribbons: int | None = None, name: str = "mesh"
 
     One long edge makes a whole weave coarse, because the steepest edge sets its density (footnote 4). Regular
     grids lead the field along their diagonals. More triangles than `faces_to_weave_on` says cost time and
-    memory and do not change the weave.
+    memory and do not change the weave. The new triangles do not hang on how the file lists the old ones.
 
     Parameters
     ----------
@@ -98,9 +101,10 @@ def evened(prepared: Prepared, *, ribbons: int | None = None, name: str = "mesh"
     if TOO_FEW * faces <= mesh.n_faces <= TOO_MANY * faces and _is_even(mesh):
         return prepared
     most = 4 * max(mesh.n_faces, faces)
+    ordered = replace(prepared, mesh=ordered_by_place(mesh))
     while True:
         try:
-            return remeshed(prepared, faces, name=name)
+            return remeshed(ordered, faces, name=name)
         except MeshError:
             faces *= 2
             if faces > most:

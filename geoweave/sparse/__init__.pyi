@@ -1,4 +1,5 @@
 from . import cholesky as cholesky, factorization as factorization
+from .eigenvectors import smallest_eigenvectors as smallest_eigenvectors
 from .factorization import (
     Analysis as Analysis,
     Assembly as Assembly,

@@ -7,10 +7,12 @@ import pytest
 from surfaces import scattered, surface, uneven_square
 
 from geoweave.curves.curve_crossings import crossings
+from geoweave.curves.curves import Curves
 from geoweave.curves.straightest_geodesics import straightest
 from geoweave.foliation.circle_function import TURN, CircleFunction
 from geoweave.foliation.level_sets import isolines
 from geoweave.models import shapes
+from geoweave.surface.mesh import TriMesh
 
 
 def test_all_crossings_of_lines_in_a_plane():
@@ -98,3 +100,19 @@ def test_nothing_crosses_where_there_is_nothing():
     mesh = surface("disk")
     none = isolines(CircleFunction(mesh, np.zeros(mesh.n_vertices), np.zeros(mesh.n_edges)))
     assert len(crossings(none)) == 0
+
+
+def test_a_crossing_at_the_seam_of_a_closed_curve_lies_there():
+    """Where a closed curve begins again, its arc length is set back to zero; the place and the face stay."""
+    mesh = TriMesh([[0, 0, 0], [4, 0, 0], [0, 4, 0]], [[0, 1, 2]])
+    loop, before_seam = [[1, 1, 0], [1.5, 1, 0], [1.5, 1.5, 0], [1, 1.5, 0]], 1.0 + 1e-9
+    line = [[0.5, before_seam, 0], [1.2, before_seam, 0]]
+    flat, count = np.zeros(6), np.array([0, 4, 6])
+    closed = np.array([True, False])
+    found = crossings(
+        Curves(mesh, np.array(loop + line), flat.astype(np.int64), flat, flat > 0, count, closed)
+    )
+    assert found.curves.tolist() == [[0, 1]]
+    np.testing.assert_allclose(found.points, [[1.0, 1.0, 0.0]], atol=1e-8)
+    np.testing.assert_allclose(found.arclength, [[0.0, 0.5]], atol=1e-8)
+    assert found.segments.tolist() == [[0, 4]]

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
+from surfaces import surface as named
 
+from benchmarks.invariance import mirrored, renumbered, turned
 from geoweave.errors import FieldError
+from geoweave.fields import total_curl
 from geoweave.foliation.level_sets import isolines
 from geoweave.models import shapes
 from geoweave.surface.mesh import TriMesh
-from geoweave.weave.design import WeaveField, weave_curves, weave_field, weave_pattern
+from geoweave.weave.design import LEVEL, WeaveField, weave_curves, weave_field, weave_pattern
 from geoweave.weave.weave import Weave
 
 
@@ -131,7 +135,7 @@ def test_given_leaves_become_the_weave_that_the_one_call_makes() -> None:
     field = directions()
     foliation = pattern().design.foliation
     assert foliation is not None
-    leaves = field.cover.project(isolines(field.cover.quotient.lifted(foliation)))
+    leaves = field.cover.project(isolines(field.cover.quotient.lifted(foliation), [LEVEL]))
     weave = weave_curves(leaves)
     np.testing.assert_array_equal(weave.ribbons.curves.points, pattern().ribbons.curves.points)
     np.testing.assert_array_equal(weave.interlacing.over, pattern().interlacing.over)
@@ -140,3 +144,21 @@ def test_given_leaves_become_the_weave_that_the_one_call_makes() -> None:
     assert weave.mesh is field.mesh
     assert "deviation_deg" not in weave.metrics()
     assert weave.document()["ribbons"][0]["label"] == pattern().names[0]
+
+
+@cache
+def of_lump(change: Callable[[TriMesh], TriMesh] | None) -> np.ndarray:
+    """Ribbons, crossings, length and total curl of the weave of a lump of uneven triangles."""
+    lump = named("jagged sphere")
+    found = weave_field(lump if change is None else change(lump))
+    weave = found.pattern(scale=0.7)
+    sizes = len(weave.ribbons), len(weave.ribbons.crossings), weave.ribbons.curves.lengths.sum()
+    return np.array([*sizes, total_curl(found.field)])
+
+
+@pytest.mark.parametrize("change", [turned, renumbered, mirrored])
+def test_the_shape_alone_decides_a_weave(change: Callable[[TriMesh], TriMesh]) -> None:
+    """Turned, renumbered or mirrored: as many ribbons and crossings, as long, and as much curl."""
+    as_it_is = of_lump(None)
+    assert as_it_is[1] > 100
+    np.testing.assert_allclose(of_lump(change), as_it_is, rtol=0.005)
