@@ -38,11 +38,7 @@ MOST_CROSSINGS = 200_000
 """A weave that would have more is refused: it is a slip of the scale, and its proof would not end."""
 
 LEVEL = 0.5 * np.pi + 1e-4
-"""Level set on every sheet; theta is odd on antipodal sheets, so theirs interleave by half a period.
-
-A little beside half of that, a 30,000th of the spacing: on a regular mesh theta may be pi / 2 exactly at
-vertices, and lines that cross exactly in a vertex have no face in common (`geoweave.curves.crossings`).
-"""
+"""Level set on every sheet, beside pi / 2 (DEVIATIONS.md, level); theta is odd on antipodal sheets."""
 
 EVENNESS = 1e-3
 """Smoothness mu of s in squared bounding radii, ten times that of a single foliation.
