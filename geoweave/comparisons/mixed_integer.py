@@ -50,7 +50,7 @@ def mixed_integer_parameterization(
     ----------
     field : unit field w on the surface, without singularities
     scale : (F,) or one number, s: radians per length
-    anisotropy : alpha. 1 weighs all of the gradient; small values let its length go and hold its direction
+    anisotropy : alpha. 1 weighs all of the gradient; small values free its length and keep its direction
 
     Raises
     ------

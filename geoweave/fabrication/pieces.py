@@ -1,4 +1,4 @@
-"""What is cut: strips with what is added to their length, in pieces where they are longer than the sheet."""
+"""Strips as they are cut: with additions to their length, and in pieces where a sheet is too short."""
 
 from __future__ import annotations
 
@@ -171,7 +171,7 @@ def shown(pattern: Pattern, piece: Piece, border: float) -> tuple[Passage, ...]:
     for turn in (0.0, strip.length) if strip.closed else (0.0,):
         for each in pattern.passages[piece.strip]:
             at = each.at + turn
-            # The start of a closed ribbon is no cut to keep away from: its tab comes under it.
+            # The start of a closed ribbon needs no border, because its tab lies under it.
             first = piece.number == 1 and strip.closed and turn == 0.0
             if (first or at >= behind) and piece.start <= at + 1e-9 and at <= ahead:
                 found.append(each._replace(at=at))

@@ -32,7 +32,7 @@ SHADES = 24
 """Colours in which dots at vertices are drawn."""
 
 MARK = "#f5b83d"
-"""Colour of dots on dislocations: amber, which the wheel does not hold."""
+"""Colour of dots on dislocations: amber, which is not among the colours of angles."""
 
 
 def angles_of_faces(circle: CircleFunction) -> Vectors:
@@ -47,8 +47,8 @@ def angles_of_faces(circle: CircleFunction) -> Vectors:
 def corner_angles(circle: CircleFunction, part: Part | None = None) -> tuple[TriMesh, Vectors]:
     """Find the angles to paint: linear over each face, so that both faces of an edge agree on it.
 
-    A face with an edge dislocation is cut into three about its centre, for no linear function has the changes
-    of its sides; between them the colours meet at angles, round the centre they go round the wheel.
+    A face with an edge dislocation is cut into three about its centre, because no linear function has the
+    changes of its sides. Round the centre the angles grow by full turns.
 
     Parameters
     ----------

@@ -32,10 +32,13 @@ OCCLUSION_RADIUS = 0.08
 """Radius of ambient occlusion, as a share of the diagonal of the model's box."""
 
 OCCLUSION_OPEN = 0.96
-"""Share of open sky above which a point counts as open: the renderer finds a little shade everywhere."""
+"""Share of directions that nothing blocks, above which a point has no shade.
+
+The renderer finds a little shade everywhere.
+"""
 
 OCCLUSION_STRENGTH = 1.5
-"""Exponent on the share of open sky."""
+"""Exponent on the share of directions that nothing blocks."""
 
 OCCLUSION_BLUR = 0.002
 """Blur of the occlusion, as a share of the height of the picture."""
@@ -92,7 +95,7 @@ class Scene:
         )
         look |= {"ambient": 0.30, "diffuse": 0.74, "specular": 0.08, "specular_power": 10.0, "occludes": True}
         if opacity < 1.0:
-            # A veil casts no shade.
+            # A transparent surface casts no shade on what lies behind it.
             look |= {"opacity": opacity, "occludes": False}
         self._actors.append((soup, look))
         self._points.append(placed)
@@ -106,7 +109,7 @@ class Scene:
         colour: str = style.SURFACE,
         crease: float = 80.0,
     ) -> None:
-        """Add a surface in the colours of angles that grow linearly over each face, wrapping where they will.
+        """Add a surface in the colours of angles that grow linearly over each face and may pass full turns.
 
         ``angles`` (F, 3) at the corners of each face, radians, of which neighbours need to agree only up to
         full turns; a face with an angle that is not a number has the plain ``colour``.

@@ -1,10 +1,10 @@
 """Two-valued labels with wanted agreements and disagreements: as few broken as possible, with a proof.
 
-A graph whose edges each ask that their ends agree (parity 0) or differ (parity 1). All wishes can be met
-exactly when no cycle has odd parity; otherwise every odd cycle breaks at least one of them, and the broken
-edges of a best labelling are a smallest set that meets every odd cycle. This is Max-Cut, NP-hard in general
-(Poljak and Tuza 1994); on planar graphs the linear program over odd cycles has integer corners (Barahona and
-Mahjoub 1986; Guenin 2001), so that cutting planes alone find and prove the optimum.
+Each edge of a graph asks that its ends agree (parity 0) or differ (parity 1). All can have what they ask
+for exactly when no cycle has odd parity. Otherwise at least one edge of every odd cycle is broken, and the
+broken edges of a best labelling are a smallest set that meets every odd cycle. This is Max-Cut, NP-hard in
+general (Poljak and Tuza 1994). On planar graphs the linear program over odd cycles has integer corners
+(Barahona and Mahjoub 1986; Guenin 2001), so that cutting planes alone find and prove the optimum.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ class Labelling:
     labels: Flags
     """(N,) one label per node; the first node of each connected component is False."""
     broken: Flags
-    """(M,) the edges whose wish is not met."""
+    """(M,) the edges whose ends are not as asked."""
     bound: int
     """No labels break fewer edges."""
     best_cost: bool

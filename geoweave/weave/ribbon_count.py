@@ -1,8 +1,8 @@
 """Which scale gives a wanted number of ribbons (Section 4.2.3).
 
-The number of ribbons grows with the scale, but in steps, and it jumps up and down where level sets merge or
-are cut at other places. There may be no scale with the wanted number. So the search makes a few tries and
-takes the one nearest to it.
+The number of ribbons grows with the scale in steps. It also jumps up and down where level sets merge or are
+cut at other places. There may be no scale with the wanted number. So the search tries a few scales and takes
+the one whose number is nearest.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ GROWTH = 1.4
 """First guess of p in ``count ~ scale^p``: more than 1, because shorter ribbons are kept at larger scales."""
 
 DIGITS = 5
-"""Significant digits of a scale, so that the one that is reported can be asked for."""
+"""Significant digits of a scale. A scale that is reported can then be given again exactly."""
 
 FINEST = 0.25
 """Between scales whose logarithms differ by less than this share of ``1 / wanted`` none is tried."""
