@@ -66,4 +66,4 @@ def media_of(formats: Iterable[str], papers: Sequence[str]) -> tuple[str, ...]:
             found += papers
         elif name == "csv":
             found.append("stock")
-    return tuple(dict.fromkeys(found)) or ("sheet",)
+    return tuple(dict.fromkeys(found)) or ("whole",)

@@ -39,6 +39,7 @@ def guide_html(
     title: str = "weave",
     colours: Colours | None = None,
     order: tuple[Step, ...] | None = None,
+    found: tuple[str, ...] = (),
 ) -> str:
     """The text of the page; same pattern and weave, same text.
 
@@ -51,6 +52,7 @@ def guide_html(
     title : of the page
     colours : of the families
     order : of assembly
+    found : for each strip where its pieces are, in words
 
     Raises
     ------
@@ -67,6 +69,7 @@ def guide_html(
         title,
         colours or Colours("paper"),
         order or assembly(pattern),
+        found,
     )
     library = three_js()
     page, *rest = ((PACKAGE / "fabrication" / name).read_text(encoding="utf-8") for name in PARTS)
@@ -98,9 +101,10 @@ def guide_content(
     title: str,
     colours: Colours,
     order: tuple[Step, ...],
+    found: tuple[str, ...] = (),
 ) -> dict[str, Any]:
     """What the page knows of the weave, without text and looks."""
-    found = shape(document, [each.label for each in pattern.strips])
+    bodies = shape(document, [each.label for each in pattern.strips])
     plain = {"pattern": pattern.document(), "making": vars(making), "order": order}
     key = hashlib.sha256(json.dumps(plain, separators=(",", ":"), allow_nan=False).encode()).hexdigest()
     return {
@@ -129,5 +133,6 @@ def guide_content(
         ],
         "order": [[step.strip, int(step.backbone), list(step.crossings)] for step in order],
         "drawings": drawings(pattern, making, colours),
-        "shape": found,
+        "shape": bodies,
+        "found": list(found),
     }

@@ -71,6 +71,7 @@ function worded(step, plan, content) {
     const partners = new Set(step.met.map((each) => each.partner));
     const facts = [[step.strip, `${millimetres(strip.length)} ${strip.closed ? "round" : "long"}, ` +
       "marked side out. Its arrow points the way you follow it."]];
+    if (content.found[step.strip]) facts.push([null, `It is on ${content.found[step.strip]}.`]);
     if (step.met.length) {
       facts.push([null, `It crosses ${many(partners.size, "strip")} that ${partners.size === 1 ? "is" : "are"} ` +
         `there already, at ${many(step.met.length, "place")}.` +

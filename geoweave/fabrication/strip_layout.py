@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -46,8 +47,8 @@ class StripLayout:
     ----------
     pattern : the strips
     bench : how they are made
-    media : what is written, of "sheet", "stock" and the names of papers: each strip is cut into the same
-        pieces in all files of a run, the longest that fit on all of them
+    media : what is written, of "whole", "sheet", "stock" and the names of papers: each strip is cut into
+        the same pieces in all files of a run, the longest that fit on all of them
     space : the weave as it will stand, as the contents of its ``weave.json`` or ``relaxed.json``; a pattern
         alone does not know where its ribbons are in space, and then there is no GLB and no guide. Of its
         ribbons the GLB and the guide show what the strips have of them
@@ -78,7 +79,7 @@ class StripLayout:
         """
         making, stock = self.bench.making, self.bench.stock
         check_made(self.pattern, making, stock)
-        rooms = {"sheet": stock.room, "stock": self.bench.stock_length}
+        rooms = {"whole": math.inf, "sheet": stock.room, "stock": self.bench.stock_length}
         rooms |= {name: page_stock(PAPERS[name]).room for name in PAPERS}
         longest = min(rooms[medium] for medium in self.media)
         return tuple(drawn(self.pattern, piece, making) for piece in pieces_of(self.pattern, making, longest))
@@ -215,6 +216,17 @@ class StripLayout:
                 found[medium] = _places(self.pages(medium), before)
         return found
 
+    @cached_property
+    def whereabouts(self) -> tuple[str, ...]:
+        """For each strip where its pieces are, in words; "" where nothing that is cut is written."""
+        words: list[list[str]] = [[] for _ in self.pattern.strips]
+        for medium, found in self.places.items():
+            for piece, (page, row) in found.items():
+                name = "" if piece.total == 1 else f"{piece.number}/{piece.total} "
+                what = f"sheet {page}" if medium == "sheet" else f"{PAPERS[medium].name} page {page}"
+                words[piece.strip].append(f"{name}{what}, row {row}")
+        return tuple("; ".join(each) for each in words)
+
     def _check_order(self) -> None:
         """Refuse to write strips of another weave than the design."""
         if self.pattern.reordered:
@@ -269,7 +281,8 @@ class StripLayout:
     def _html(self, stem: str) -> dict[str, Job]:
         space, bench = self._standing("guide"), self.bench
         check_made(self.pattern, bench.making, bench.stock)
-        text = guide_html(self.pattern, space, bench.making, bench.title, bench.paper_colours, self.order)
+        making, colours, found = bench.making, bench.paper_colours, self.whereabouts
+        text = guide_html(self.pattern, space, making, bench.title, colours, self.order, found)
         return {f"{stem}.html": _text(text)}
 
 

@@ -12,7 +12,7 @@ from geoweave.fabrication.maker_files import FORMATS
 def test_files_that_are_cut_have_their_media() -> None:
     assert media_of(["svg", "dxf"], ("a4",)) == ("sheet",)
     assert media_of(["csv", "pdf", "svg"], ("a4", "letter")) == ("stock", "a4", "letter", "sheet")
-    assert media_of(["pattern"], ("a4",)) == ("sheet",)
+    assert media_of(["pattern", "guide"], ("a4",)) == ("whole",)
     assert set(media_of(FORMATS, ("a3",))) == {"stock", "sheet", "a3"}
 
 
