@@ -11,7 +11,7 @@ from geoweave.fields.trivial_connection import prescribed_rosy
 from geoweave.models import shapes
 from geoweave.weave.cover import branched_cover
 from geoweave.weave.design import weave_field
-from geoweave.weave.kept_singularities import displaced
+from geoweave.weave.kept_singularities import displaced, lifted_vectors
 
 
 @pytest.mark.parametrize("degree", [3, 4, 5, 6])
@@ -69,3 +69,14 @@ def test_algorithm_1_tears_a_large_index_and_that_is_said():
     assert field.met.displaced
     assert {each.numerator for each in field.met.displaced} >= {5, 7}
     assert sum(each.found - each.numerator for each in field.met.displaced) == 0
+
+
+def test_without_branch_points_the_families_of_a_torus_fall_together():
+    from geoweave.weave.steering import Steering
+
+    field = weave_field(shapes.torus(faces=900), steering=Steering(singularities=()))
+    assert field.met.displaced == ()
+    _, vectors = lifted_vectors(field.cover, field.field)
+    # Nothing in Eq. 5 holds the sheets apart: each becomes the same geodesic field, up to its sign.
+    between = np.degrees(np.abs(np.angle(vectors[:, 1:3] ** 2 / vectors[:, :1] ** 2)) / 2)
+    assert between.max() < 1.0
