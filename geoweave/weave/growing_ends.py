@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from geoweave.arrays import Flags, Indices, Scalars
-from geoweave.curves import Crossings, Curves
-from geoweave.weave.ribbon_ends import holding, on_boundary
+from geoweave.curves import Crossings, Curves, crossings, stretches
+from geoweave.weave.ribbon_ends import extended, holding, on_boundary
 
-__all__ = ["Growth"]
+__all__ = ["Growth", "lengthened"]
 
 
 class Growth(NamedTuple):
@@ -47,9 +47,9 @@ class Growth(NamedTuple):
     def grown(self, kept: Flags, tail: float) -> tuple[Scalars, Scalars]:
         """Arc lengths at which each curve starts and ends if only some curves are kept.
 
-        An end is set a tail beyond the crossing that it stops at. One that stops at a crossing too shallow to
-        hold it, or that meets nothing, is set a tail beyond its last firm crossing; without any the curve
-        has no length left. An end on the boundary stays there.
+        An end is set a tail beyond the crossing that it stops at, or half way to the next one. One that stops
+        at a crossing too shallow to hold it, or that meets nothing, is set beyond its last firm crossing;
+        without any the curve has no length left. An end on the boundary stays there.
         """
         given = np.asarray(kept[self.met.curves].all(axis=1))
         reached = self._reached(given)
@@ -61,9 +61,9 @@ class Growth(NamedTuple):
         lengths, closed = self.longer.lengths, self.longer.closed
         free = on_boundary(self.longer) & np.isinf(reached.reshape(-1, 2))
         start, end = first - tail, last + tail
-        # A tail stops half way to what it would cross at too small an angle.
-        shallow = given & (self.beyond <= reached[self.ends] + tail).all(axis=1) & ~self.firm
-        owner, at = self.met.curves[shallow].ravel(), self.met.arclength[shallow].ravel()
+        # A tail stops half way to what it would cross besides.
+        besides = given & (self.beyond <= reached[self.ends] + tail).all(axis=1) & ~there
+        owner, at = self.met.curves[besides].ravel(), self.met.arclength[besides].ravel()
         early, late = at < first[owner], at > last[owner]
         np.maximum.at(start, owner[early], 0.5 * (at + first[owner])[early])
         np.minimum.at(end, owner[late], 0.5 * (at + last[owner])[late])
@@ -92,3 +92,38 @@ class Growth(NamedTuple):
                     reached[stays] = near
                 hung[stays] = max(hung[stays], near)
         return reached
+
+
+def lengthened(curves: Curves, one: Flags, reach: float, tail: float, shallowest: float) -> Curves | None:
+    """Join two parts of a weave by the end that has the shortest way to a crossing with the other part.
+
+    Parameters
+    ----------
+    one : (n,) which curves are of the one part; the others are of the other one
+    reach, tail : how far an end may go, and how far beyond the crossing, lengths
+    shallowest : least angle of that crossing and of those on the way to it, degrees
+
+    Returns
+    -------
+    the curves, one of them longer; or nothing if no end gets there
+    """
+    longer, spans = extended(curves, reach)
+    growth = Growth.of(longer, spans, crossings(longer), shallowest)
+    met, far = growth.met, growth.beyond.max(axis=1)
+    coming = growth.beyond.argmax(axis=1)
+    end = growth.ends[np.arange(len(met)), coming]
+    usable = (far > 0) & (growth.beyond.min(axis=1) == 0)
+    blocked = np.full(2 * len(longer), np.inf)
+    np.minimum.at(blocked, end[usable & ~growth.firm], far[usable & ~growth.firm])
+    joins = usable & growth.firm & (one[met.curves[:, 0]] != one[met.curves[:, 1]]) & (far < blocked[end])
+    if not joins.any():
+        return None
+    best = int(np.flatnonzero(joins)[far[joins].argmin()])
+    c, at_end = divmod(int(end[best]), 2)
+    length = min(float(far[best]) + tail, 0.5 * (float(far[best]) + float(blocked[end[best]])))
+    start, stop = spans[:, 0].copy(), spans[:, 1].copy()
+    if at_end:
+        stop[c] = min(stop[c] + length, longer.lengths[c])
+    else:
+        start[c] = max(start[c] - length, 0.0)
+    return stretches(longer, np.arange(len(longer)), start, stop)

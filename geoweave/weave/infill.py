@@ -7,6 +7,7 @@ ears and feet, where no level set runs far enough. A maker would lay a ribbon ac
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -24,8 +25,9 @@ DIRECTIONS = 36
 ALONG = 30.0
 """Degrees within which a ribbon runs along another one."""
 
-FARTHEST = 4.0
-"""Spacings that a ribbon may go on after the distance of its middle from the nearest one."""
+FARTHEST = (4.0, 12.0)
+"""Spacings that a ribbon may go on after the distance of its middle from the nearest one; the second where
+the first leaves no way, as from the tip of a bare leg."""
 
 STEP = 0.1
 """Distance between the samples of ribbons that may run along each other, in spacings."""
@@ -75,13 +77,13 @@ def filled(curves: Curves, spacing: float, asked: Filling) -> Laid:
     along = list[int]()
     distance, _ = nearest_curves(curves, mesh.barycenters, mesh.face_normals)
     distance[~np.isin(mesh.face_components, mesh.face_components[curves.faces])] = 0.0
-    for apart in asked.apart:
+    for farthest, apart in product(FARTHEST, asked.apart):
         left = distance.copy()
         while True:
             face = int(left.argmax())
             if left[face] <= asked.bare * spacing:
                 break
-            line = _through(curves, face, float(left[face]), spacing, asked, apart)
+            line = _through(curves, face, left[face] + farthest * spacing, spacing, asked, apart)
             if line is None:
                 left[_around(mesh, face, spacing)] = 0.0
                 continue
@@ -114,7 +116,7 @@ def bridged(curves: Curves, one: Flags, spacing: float, asked: Filling) -> Laid 
         if np.isinf(away[face]):
             break
         for apart in (*asked.apart, *NARROW):
-            line = _through(curves, face, float(away[face]), spacing, asked, apart, one)
+            line = _through(curves, face, away[face] + FARTHEST[0] * spacing, spacing, asked, apart, one)
             if line is not None:
                 along = np.array([_parallel(curves, line, len(curves))])
                 return Laid(Curves.concatenate(mesh, [*curves, line]), along)
@@ -123,8 +125,8 @@ def bridged(curves: Curves, one: Flags, spacing: float, asked: Filling) -> Laid 
 
 
 def _around(mesh: TriMesh, face: int, spacing: float) -> Flags:
-    """(F,) faces within half a spacing of one."""
-    return np.linalg.norm(mesh.barycenters - mesh.barycenters[face], axis=1) < 0.5 * spacing
+    """(F,) faces within a spacing of one."""
+    return np.linalg.norm(mesh.barycenters - mesh.barycenters[face], axis=1) < spacing
 
 
 class _Ray(NamedTuple):
@@ -145,7 +147,7 @@ class _Ray(NamedTuple):
 def _through(
     curves: Curves,
     face: int,
-    away: float,
+    reach: float,
     spacing: float,
     asked: Filling,
     apart: float,
@@ -156,7 +158,7 @@ def _through(
     turn = np.pi * np.arange(count) / DIRECTIONS
     first, second = mesh.frames[face]
     ways = np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
-    lines = straightest(mesh, np.full(count, face), ways, away + FARTHEST * spacing)
+    lines = straightest(mesh, np.full(count, face), ways, reach)
     rays = _rays(curves, lines, spacing, asked, apart)
 
     def joins(met: Indices) -> bool:

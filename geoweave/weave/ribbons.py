@@ -18,7 +18,7 @@ from geoweave.arrays import Flags, Indices, frozen
 from geoweave.curves import Crossings, Curves, crossings, geodesic_curvature, stretches
 from geoweave.errors import FieldError
 from geoweave.weave.doubled_curves import doubled
-from geoweave.weave.growing_ends import Growth
+from geoweave.weave.growing_ends import Growth, lengthened
 from geoweave.weave.infill import Filling, Laid, bridged, filled
 from geoweave.weave.passages import Passages, merged
 from geoweave.weave.ribbon_ends import extended, holding, loose_ends
@@ -141,7 +141,7 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
     growth = Growth.of(longer, spans, crossings(longer), shallowest)
     which, found = _held(growth, tail, numbers.fewest, shallowest)
     asked = Filling(families, numbers.bare, numbers.apart, numbers.fewest, shallowest, numbers.tail)
-    found, along = _in_one_part(found, spacing, asked)
+    found, along = _in_one_part(found, spacing, numbers.reach * spacing, asked)
     met = _without_touching(crossings(found), found, tail)
     return Ribbons(found, met, frozen(origin[which[along]]), spacing, numbers)
 
@@ -170,8 +170,10 @@ def _loose(curves: Curves, met: Crossings, tail: float, shallowest: float) -> Fl
     return loose_ends(curves, met.taken(holding(met, shallowest)), tail)
 
 
-def _in_one_part(curves: Curves, spacing: float, asked: Filling) -> tuple[Curves, Indices]:
+def _in_one_part(curves: Curves, spacing: float, reach: float, asked: Filling) -> tuple[Curves, Indices]:
     """Lay ribbons where it is bare, and join the parts of the weave on each component of the surface.
+
+    A new ribbon joins two parts, or else an end that goes on to the other part; or else the smaller one goes.
 
     Returns
     -------
@@ -189,6 +191,12 @@ def _in_one_part(curves: Curves, spacing: float, asked: Filling) -> tuple[Curves
             longer, more, met = _sound(bridge, along, tail, asked)
             if _parts(met, len(longer)).max() < part.max():
                 curves, along = longer, more
+                continue
+        stretched = lengthened(curves, small, reach, tail, asked.shallowest)
+        if stretched is not None:
+            met = _without_touching(crossings(stretched), stretched, tail)
+            if _parts(met, len(stretched)).max() < part.max():
+                curves = stretched
                 continue
         curves, along = stretches(curves, np.flatnonzero(~small)), along[~small]
 

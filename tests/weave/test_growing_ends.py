@@ -10,7 +10,7 @@ from geoweave.curves.curve_crossings import crossings
 from geoweave.curves.curves import Curves
 from geoweave.curves.stretch import stretches
 from geoweave.models import shapes
-from geoweave.weave.growing_ends import Growth
+from geoweave.weave.growing_ends import Growth, lengthened
 from geoweave.weave.ribbon_ends import extended, holding, loose_ends
 
 TAIL = 0.02
@@ -92,3 +92,24 @@ def test_whichever_curves_are_kept_every_end_is_held(seed: int) -> None:
         grown = stretches(given.longer, which, start[which], end[which])
         met = crossings(grown)
         assert not loose_ends(grown, met.taken(holding(met, 40.0)), TAIL).any()
+
+
+def test_the_nearest_end_joins_two_parts() -> None:
+    """Of the two lines of the left part, one has 0.2 to go to the right part and one 0.3."""
+    left = [(-0.5, 0.0, 0.0, 0.0), (-0.5, 0.1, -0.1, 0.1), (-0.4, -0.2, -0.4, 0.2)]
+    lines = lines_on_square(*left, (0.2, -0.3, 0.2, 0.3))
+    one = np.array([True, True, True, False])
+    joined = lengthened(lines, one, 0.5, TAIL, 40.0)
+    assert joined is not None
+    assert joined.lengths - lines.lengths == pytest.approx([0.2 + TAIL, 0, 0, 0])
+    assert lengthened(lines, one, 0.1, TAIL, 40.0) is None
+    # a shallow crossing on the way is in the way of both
+    slope = np.tan(np.radians(20.0))
+    fence = lines_on_square(*left, (0.2, -0.3, 0.2, 0.3), (-0.05, -0.15 * slope, 0.6, 0.5 * slope))
+    assert lengthened(fence, np.append(one, True), 0.25, TAIL, 40.0) is None
+
+
+def test_a_tail_stops_half_way_to_a_crossing_that_holds_nothing() -> None:
+    """Two upright lines a hundredth apart: the end stops at the first and does not cross the second."""
+    lines = lines_on_square((-0.85, 0.0, 0.0, 0.0), (0.2, -0.5, 0.2, 0.5), (0.21, -0.5, 0.21, 0.5), *RAIL)
+    np.testing.assert_allclose(tips(growth(lines))[0, 2:], [0.205, 0], atol=1e-9)
