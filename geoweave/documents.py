@@ -156,8 +156,8 @@ def each(shape: Shape, count: int | None = None) -> Shape:
     return check
 
 
-def entries(**shapes: Shape) -> Shape:
-    """An object that has all these entries, and may have others."""
+def entries(optional: Mapping[str, Shape] | None = None, /, **shapes: Shape) -> Shape:
+    """An object that has all these entries, and may have others; optional ones are checked where they are."""
 
     def check(value: Any, place: str) -> None:
         if not isinstance(value, Mapping):
@@ -167,6 +167,9 @@ def entries(**shapes: Shape) -> Shape:
             if name not in value:
                 raise ValueError(f"{where} is missing")
             shape(value[name], where)
+        for name, shape in (optional or {}).items():
+            if name in value:
+                shape(value[name], f"{place}.{name}" if place else name)
 
     return check
 

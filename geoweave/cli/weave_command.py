@@ -24,6 +24,7 @@ from geoweave.cli.options import (
 
 if TYPE_CHECKING:
     from geoweave.pipeline import MeshSource, WeaveRequest, WovenFiles
+    from geoweave.rods import StripKind
     from geoweave.weave import Inspection, Phase, Regularity
 
 OPTIONS = (
@@ -78,6 +79,13 @@ OPTIONS = (
         "guide; those from pattern on need --size. By default json, and with --size also guide.",
     ),
     click.option(
+        "--strips",
+        type=click.Choice(("straight", "designed", "optimal")),
+        default="straight",
+        help="How strips are cut: straight, as curved as the design, or such that the weave at rest lies "
+        "on its surface (straight).",
+    ),
+    click.option(
         "--no-relax",
         is_flag=True,
         help="Stop before the physics: nothing slides, and relaxed.json is not written.",
@@ -103,6 +111,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
         width: float | None,
         thickness: float | None,
         formats: str,
+        strips: StripKind,
         no_relax: bool,
         **others: Any,
     ) -> None:
@@ -135,6 +144,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             thickness=thickness,
             formats=None if given is ParameterSource.DEFAULT else names,
             relax=not no_relax,
+            strips=strips,
         )
         command(*arguments, request=request, **others)
 
@@ -318,10 +328,19 @@ def _rest(relax: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:
     if not relax["converged"]:
         verdict = f"not at rest ({relax['ending']})"
     where = ", ".join(f"{x:.4g}" for x in worst["point"])
-    return [
+    rows = [
         ("at rest", f"{verdict}: {relax['mean']:.1%} of the diagonal from the surface, at most {far:.1%}"),
         ("  farthest", f"{worst['distance']:.3g}{unit} at ({where}), {worst['ribbon']}"),
     ]
+    bent = relax.get("curved_strips")
+    if bent is not None:
+        said = f"{bent['kind']}, curvature x width at most {bent['sharpest']:.2g}"
+        if "history" in bent:
+            first, last = bent["history"][0]["mean"], relax["mean"]
+            end = "converged" if bent["converged"] else f"not converged: {bent['ending']}"
+            said += f"; {first:.2%} -> {last:.2%} of the diagonal in {len(bent['history'])} trials ({end})"
+        rows.append(("  curved strips", said))
+    return rows
 
 
 def _worst(kind: str, report: Inspection) -> str:

@@ -17,7 +17,7 @@ from geoweave.errors import FieldError
 from geoweave.fabrication.crossing_order import reordered_crossings
 from geoweave.fabrication.marks import assigned
 from geoweave.fabrication.pattern import Pattern, Strip
-from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION
+from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, FlatCurve
 
 __all__ = ["FREE_END", "WeaveLike", "bow_and_turning", "free_end", "pattern_of", "trimmed", "weave_document"]
 
@@ -95,8 +95,8 @@ def pattern_of(weave: WeaveLike, name: str = "weave.json", *, end: float = math.
     """Lay the ribbons of a weave flat.
 
     A ribbon that follows a geodesic is straight when it is laid flat (Section 5.4), so its strip keeps the
-    ribbon's length and the places of its crossings. The angle of a crossing is measured between the two
-    segments that cross, about the mean of their normals.
+    ribbon's length and the places of its crossings. A ribbon with ``curvature`` is cut curved. The angle of
+    a crossing is measured between the two segments that cross, about the mean of their normals.
 
     Parameters
     ----------
@@ -181,7 +181,11 @@ def _shorter(ribbon: Mapping[str, Any], before: float, after: float) -> dict[str
     last = kept[-1] if len(kept) else first
     up = normals[np.concatenate([[first], kept, [last]])]
     length = float(ribbon["length"]) - before - after
-    return {**ribbon, "length": length, "points": line.tolist(), "normals": up.tolist()}
+    found = {**ribbon, "length": length, "points": line.tolist(), "normals": up.tolist()}
+    if ribbon.get("curvature"):
+        whole = FlatCurve(ribbon["curvature"], float(ribbon["length"]))
+        found["curvature"] = [list(each) for each in whole.part(before, length).knots]
+    return found
 
 
 def _beyond(document: Mapping[str, Any], end: float) -> list[tuple[float, float]]:
@@ -205,9 +209,12 @@ def _flattened(document: Mapping[str, Any], ends: Sequence[tuple[float, float]])
     for each, cut in zip(document["ribbons"], ends, strict=True):
         points, normals = (np.array(each[key], dtype=np.float64) for key in ("points", "normals"))
         closed = bool(each["closed"])
-        bow, turning = bow_and_turning(points, normals, closed)
+        knots = tuple((float(at), float(bend)) for at, bend in each.get("curvature", ()))
+        length = float(each["length"])
+        curve = FlatCurve(knots, length, closed) if knots else None
+        bow, turning = bow_and_turning(points, normals, closed, curve)
         strips.append(
-            Strip(str(each["label"]), int(each["family"]), closed, float(each["length"]), bow, turning, cut)
+            Strip(str(each["label"]), int(each["family"]), closed, length, bow, turning, cut, knots)
         )
         ahead = np.diff(points, axis=0, append=points[:1] if closed else points[-1:])
         steps = np.linalg.norm(ahead, axis=1)
@@ -247,17 +254,21 @@ def _flattened(document: Mapping[str, Any], ends: Sequence[tuple[float, float]])
     )
 
 
-def bow_and_turning(points: Vectors, normals: Vectors, closed: bool) -> tuple[float, float]:
-    """How far a ribbon on a surface is from a straight strip, laid flat with its geodesic curvature.
+def bow_and_turning(
+    points: Vectors, normals: Vectors, closed: bool, curve: FlatCurve | None = None
+) -> tuple[float, float]:
+    """How far a ribbon on a surface is from its strip, laid flat with its geodesic curvature.
 
     At each point the plane of the next segment is turned into that of the one before, about their common
-    line; what the direction then turns by is the geodesic curvature that a straight strip neglects.
+    line; what the direction then turns by is the geodesic curvature that a straight strip neglects. Of a
+    strip that is cut curved, what it turns by itself is taken off.
 
     Parameters
     ----------
     points : (P, 3) the centreline; a closed one does not repeat its first point
     normals : (P, 3) unit normal of the surface along the segment from each point to the next
     closed : whether a last segment leads back
+    curve : the strip as it is cut; straight if not given
 
     Returns
     -------
@@ -275,6 +286,9 @@ def bow_and_turning(points: Vectors, normals: Vectors, closed: bool) -> tuple[fl
     left = np.cross(before, ahead[:-1])
     turned = np.arctan2((left * unfolded).sum(axis=1), (ahead[:-1] * unfolded).sum(axis=1))
     heading = np.concatenate([[0.0], np.cumsum(turned)])
+    if curve is not None:
+        middle = (np.cumsum(steps) - 0.5 * steps) * (curve.length / steps.sum())
+        heading -= curve.heading(middle) - curve.heading(middle[:1])
     flat = np.concatenate([[0.0], np.cumsum(steps * np.exp(1j * heading))])
     along = flat[-1] / abs(flat[-1]) if abs(flat[-1]) > 0 else 1.0
     return float(np.abs((flat / along).imag).max()), float(np.degrees(np.ptp(heading)))

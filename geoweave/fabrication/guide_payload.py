@@ -30,10 +30,10 @@ GRAIN = 0.02
 
 
 def drawings(pattern: Pattern, making: Making, colours: Colours) -> dict[str, Any]:
-    """The drawings of all strips, each in one piece, as they are cut."""
+    """The drawings of all strips, each in one piece, as they are cut; curved ones are drawn straight."""
     inks: dict[Ink, int] = {}
     strips = []
-    for piece in pieces_of(pattern, making):
+    for piece in pieces_of(pattern, making, whole=True):
         sheet = drawn(pattern, piece, making)
         numbers = _numbers(sheet, colours, inks)
         strips.append(

@@ -59,6 +59,11 @@ class Stock:
         """Length that a strip may have."""
         return self.width - 2 * self.margin
 
+    @property
+    def across(self) -> float:
+        """Height that a curved piece may have."""
+        return self.height - 2 * self.margin
+
 
 class Laid(NamedTuple):
     """A piece on a sheet."""

@@ -1,8 +1,9 @@
 """The pattern that a maker works from: flat strips and what is marked on them (Section 5.4).
 
 A ribbon that follows a geodesic is straight when it is laid flat, so a strip is a length, a width and the
-places of its crossings. A strip is seen from the side that the normals of the surface point to, its first
-end to the left; angles turn to the left. ``pattern.json`` holds no coordinate in space.
+places of its crossings. It may also be cut curved (`Strip.curvature`). A strip is seen from the side that the
+normals of the surface point to, its first end to the left; angles and curvatures turn to the left.
+``pattern.json`` holds no coordinate in space.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.errors import FieldError
 from geoweave.fabrication.crossing_order import Reordered
 from geoweave.fabrication.marks import MARKS
+from geoweave.weave import FlatCurve, check_curvature
 
 __all__ = ["FORMAT", "VERSION", "Passage", "Pattern", "Strip"]
 
@@ -32,6 +34,7 @@ SHAPE = documents.entries(
     thickness=documents.number(above=0),
     strips=documents.each(
         documents.entries(
+            {"curvature": documents.each(documents.each(documents.number(), 2))},
             label=documents.text(),
             family=documents.whole(most=1_000_000),
             closed=documents.flag(),
@@ -71,6 +74,14 @@ class Strip(NamedTuple):
     """By how much its direction, laid flat so, varies along it, degrees."""
     trimmed: tuple[float, float] = (0.0, 0.0)
     """What was cut away of the ribbon before its first end and after its last one, mm."""
+    curvature: tuple[tuple[float, float], ...] = ()
+    """Places along it, mm, and the curvature with which it is cut there, 1/mm, left is positive; linear in
+    between. Nothing for a straight strip."""
+
+    @property
+    def curve(self) -> FlatCurve | None:
+        """Its centreline on the sheet; None for a straight strip."""
+        return FlatCurve(self.curvature, self.length, self.closed) if self.curvature else None
 
 
 class Passage(NamedTuple):
@@ -162,6 +173,11 @@ class Pattern:
                 f"crossing {x} is {self.at[x, side]:.6g} mm along {strip.label}, "
                 f"which is {strip.length:.6g} mm long"
             )
+        for strip in self.strips:
+            try:
+                check_curvature(strip.curvature, self.width, f"the curvature of strip {strip.label}")
+            except ValueError as error:
+                raise FieldError(f"{error}; cut it less curved or narrower") from error
         keys = np.column_stack([np.sort(self.ribbons, axis=1), self.mark, self.round])
         if len(np.unique(keys, axis=0)) < len(keys):
             raise FieldError("two crossings of the same two strips have the same mark")
@@ -207,6 +223,7 @@ class Pattern:
                     "bow": round(strip.bow, 4),
                     "turning_deg": round(strip.turning, 4),
                     "trimmed": [round(each, 4) for each in strip.trimmed],
+                    **({"curvature": _rounded(strip.curvature)} if strip.curvature else {}),
                     "crossings": [
                         {
                             "crossing": each.crossing,
@@ -259,6 +276,7 @@ class Pattern:
                     float(each["bow"]),
                     float(each["turning_deg"]),
                     _two(each.get("trimmed", (0.0, 0.0))),
+                    tuple(_two(pair) for pair in each.get("curvature", ())),
                 )
                 for each in document["strips"]
             )
@@ -276,6 +294,11 @@ class Pattern:
             )
         except (KeyError, TypeError, ValueError, FieldError) as error:
             raise FieldError(f"{name}: an entry of the pattern is missing or wrong ({error})") from error
+
+
+def _rounded(knots: Sequence[tuple[float, float]]) -> list[list[float]]:
+    """Places to a tenth of a micrometre, curvatures to what turns a metre by a micrometre."""
+    return [[round(at, 4), round(bend, 9)] for at, bend in knots]
 
 
 def _two(values: Sequence[float]) -> tuple[float, float]:

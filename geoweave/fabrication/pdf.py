@@ -6,8 +6,11 @@ import io
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import pairwise
 from os import PathLike
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import INK, Colours, mixed
@@ -280,11 +283,9 @@ def _map(
             family = colours.of_family(pattern.strips[laid.drawn.piece.strip].family)
             canvas.setStrokeColor(family if here else mixed(family, "#ffffff", 0.6))
             canvas.setLineWidth(max(0.7 * pattern.width * scale, 0.08))
-            base = y + (laid.y + MARGIN + FOOT) * scale
-            canvas.line(
-                x + (laid.x + MARGIN) * scale,
-                base,
-                x + (laid.x + MARGIN + laid.drawn.piece.length) * scale,
-                base,
-            )
+            line = np.array([[0.0, 0.0], [laid.drawn.piece.length, 0.0]])
+            line = line if laid.drawn.spine is None else laid.drawn.spine
+            places = [x, y] + scale * (line + [laid.x + MARGIN, laid.y + MARGIN + FOOT])
+            for (a, b), (c, d) in pairwise(places.tolist()):
+                canvas.line(a, b, c, d)
         canvas.setLineCap(1)

@@ -6,11 +6,19 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 from geoweave.errors import FieldError
 from geoweave.fabrication.pattern import Passage, Pattern
 from geoweave.fabrication.presets import LABELS, Labels
+from geoweave.weave import FlatCurve
 
-__all__ = ["Join", "Making", "Piece", "cut_length", "holes_of", "pieces_of", "shown"]
+__all__ = ["Join", "Making", "Piece", "cut_length", "holes_of", "lowest", "pieces_of", "rim", "shown"]
+
+NEAR = 2.5
+"""Places of a curved strip so many widths apart along it must not touch on the sheet. At a curvature x
+width of 1 they are nearly two widths from each other."""
 
 
 @dataclass(frozen=True)
@@ -107,16 +115,26 @@ def cut_length(pattern: Pattern, making: Making, strip: int) -> float:
     return high - low
 
 
-def pieces_of(pattern: Pattern, making: Making, longest: float = math.inf) -> tuple[Piece, ...]:
+def pieces_of(
+    pattern: Pattern,
+    making: Making,
+    longest: float = math.inf,
+    highest: float = math.inf,
+    *,
+    whole: bool = False,
+) -> tuple[Piece, ...]:
     """Cut every strip into as few pieces as a sheet allows: all as long as it is, but for the last.
 
-    The last is no shorter than three overlaps; what it needs for that comes from the one before.
+    The last is no shorter than three overlaps; what it needs for that comes from the one before. A strip that
+    is cut curved comes in equal pieces, so many that each fits and does not lie over itself.
 
     Parameters
     ----------
     pattern : the strips
     making : what is added to them
     longest : a piece with its kerf, mm
+    highest : the room across a sheet for a piece with its kerf, mm
+    whole : do not cut strips because they are curved, as for the guide, which shows them straight
 
     Raises
     ------
@@ -147,7 +165,11 @@ def pieces_of(pattern: Pattern, making: Making, longest: float = math.inf) -> tu
         count = max(math.ceil((high - low - overlap) / (room - overlap) - 1e-9), 1)
         if high - low <= room:
             count = 1
-        for k, (start, end) in enumerate(_spans(low, high, count, room, overlap)):
+        most = room
+        if strip.curve is not None and not whole:
+            count = _flat_pieces(strip.curve, (low, high), count, pattern.width, making, (room, highest))
+            most = (high - low + (count - 1) * overlap) / count
+        for k, (start, end) in enumerate(_spans(low, high, count, most, overlap)):
             joins = []
             if k or strip.closed:
                 name = f"{strip.label}={k or count}"
@@ -197,3 +219,71 @@ def _ends(pattern: Pattern, making: Making, strip: int) -> tuple[float, float]:
     if pattern.strips[strip].closed:
         return 0.0, length + making.overlap
     return -making.extra, length + making.extra
+
+
+def rim(curve: FlatCurve, piece: Piece, width: float) -> NDArray[np.float64]:
+    """(N, 2) points of both edges of a piece of a curved strip, laid flat."""
+    count = max(math.ceil(piece.length * max(curve.sharpest / 0.1, 1.0 / width)), 1)
+    places = np.linspace(piece.start, piece.end, count + 1)
+    angle = curve.heading(places)
+    left = 0.5 * width * np.column_stack([-np.sin(angle), np.cos(angle)])
+    middle = curve.points(places)
+    return np.concatenate([middle + left, middle - left])
+
+
+def lowest(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(2, 2) matrix that turns points, as ``points @ matrix``, so that they are as low as can be.
+
+    The lowest box has a side along one of the convex hull, which is tried for each of them.
+    """
+    from scipy.spatial import ConvexHull
+
+    hull = points[ConvexHull(points).vertices]
+    along = np.roll(hull, -1, axis=0) - hull
+    along /= np.linalg.norm(along, axis=1)[:, None]
+    across = np.column_stack([-along[:, 1], along[:, 0]])
+    height = np.ptp(hull @ across.T, axis=0)
+    best = int(np.argmin(np.round(height, 9)))
+    # Of the two ways round, the one in which the strip reads from left to right.
+    sign = 1.0 if (points[len(points) // 2 - 1] - points[0]) @ along[best] >= 0 else -1.0
+    return np.asarray(sign * np.column_stack([along[best], across[best]]))
+
+
+def _flat_pieces(
+    curve: FlatCurve,
+    ends: tuple[float, float],
+    count: int,
+    width: float,
+    making: Making,
+    room: tuple[float, float],
+) -> int:
+    """In how many pieces a curved strip fits on a sheet without lying over itself, at least ``count``."""
+    low, high = ends
+    overlap = making.overlap
+    while True:
+        size = (high - low + (count - 1) * overlap) / count
+        starts = [low + k * (size - overlap) for k in range(count)]
+        pieces = [Piece(0, 1, 1, start, start + size, ()) for start in starts]
+        if all(_lies_flat(curve, piece, width, making.kerf, room) for piece in pieces):
+            return count
+        if size < 3 * overlap:
+            raise FieldError(
+                f"a strip is so curved that pieces of {size:.4g} mm do not fit on a sheet that leaves "
+                f"{room[0]:.6g} x {room[1]:.6g} mm; take a larger sheet or a smaller overlap"
+            )
+        count += 1
+
+
+def _lies_flat(curve: FlatCurve, piece: Piece, width: float, kerf: float, room: tuple[float, float]) -> bool:
+    """Whether a piece fits on a sheet and does not lie over itself."""
+    edges = rim(curve, piece, width)
+    extent = np.ptp(edges @ lowest(edges), axis=0) + kerf
+    if extent[0] > room[0] + kerf + 1e-9 or extent[1] > room[1] + 1e-9:
+        return False
+    turned = curve.heading(np.linspace(piece.start, piece.end, 1 + len(edges) // 2))
+    if np.ptp(turned) < np.pi:
+        return True
+    middle = 0.5 * (edges[: len(edges) // 2] + edges[len(edges) // 2 :])
+    apart = np.linalg.norm(middle[:, None] - middle[None], axis=2)
+    along = piece.length / (len(middle) - 1) * np.abs(np.subtract.outer(*2 * [np.arange(len(middle))]))
+    return bool((apart[along > NEAR * width] > 1.05 * width + kerf).all())

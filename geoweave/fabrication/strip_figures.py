@@ -130,3 +130,5 @@ class Drawn(NamedTuple):
     """Whether its own name stands on the strip."""
     smallest: float = math.inf
     """Height of the smallest capital letter on it, mm."""
+    spine: NDArray[np.float64] | None = None
+    """(N, 2) middle line of a strip that is cut curved; None for a straight one."""

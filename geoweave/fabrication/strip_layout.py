@@ -14,6 +14,7 @@ from typing import Any
 from geoweave.errors import FieldError
 from geoweave.fabrication.assembly_order import Step, assembly
 from geoweave.fabrication.bench import Bench, media_of
+from geoweave.fabrication.bending import bent
 from geoweave.fabrication.bill import Bill, bill_of
 from geoweave.fabrication.crossing_order import order_sentence
 from geoweave.fabrication.cut_list import cut_list
@@ -81,8 +82,11 @@ class StripLayout:
         check_made(self.pattern, making, stock)
         rooms = {"whole": math.inf, "sheet": stock.room, "stock": self.bench.stock_length}
         rooms |= {name: page_stock(PAPERS[name]).room for name in PAPERS}
+        across = {name: page_stock(PAPERS[name]).across for name in PAPERS} | {"sheet": stock.across}
         longest = min(rooms[medium] for medium in self.media)
-        return tuple(drawn(self.pattern, piece, making) for piece in pieces_of(self.pattern, making, longest))
+        highest = min(across.get(medium, math.inf) for medium in self.media)
+        pieces = pieces_of(self.pattern, making, longest, highest)
+        return tuple(bent(drawn(self.pattern, piece, making), self.pattern, making) for piece in pieces)
 
     @cached_property
     def sheets(self) -> tuple[Sheet, ...]:

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 from xml.sax.saxutils import escape, quoteattr
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.colours import Colours, Ink, ink
@@ -161,6 +162,18 @@ def _number(value: float) -> str:
     return "0" if text == "-0" else text
 
 
+def _strip_length(outline: NDArray[np.float64]) -> float:
+    """Length L of a strip of constant width w, from its outline.
+
+    Offset edges of a curve are together twice as long as it, so the perimeter is ``2 L + 2 w``, and the area
+    is ``L w``: L is the larger root of ``x^2 - (perimeter / 2) x + area``.
+    """
+    ahead = np.roll(outline, -1, axis=0)
+    half = 0.5 * float(np.linalg.norm(ahead - outline, axis=1).sum())
+    area = 0.5 * abs(float((outline[:, 0] * ahead[:, 1] - outline[:, 1] * ahead[:, 0]).sum()))
+    return 0.5 * half + float(np.sqrt(max(0.25 * half**2 - area, 0.0)))
+
+
 class MarkSeen(NamedTuple):
     """A mark as it is found in a drawing."""
 
@@ -217,7 +230,7 @@ def read_svg(path: str | PathLike[str]) -> tuple[dict[str, float], tuple[MarkSee
                 continue
             points = np.array(re.findall(r"-?[0-9.]+", each.get("d", "")), dtype=np.float64).reshape(-1, 2)
             if layer == "cut":
-                lengths[strip] = lengths.get(strip, 0.0) + float(np.ptp(points[:, 0]))
+                lengths[strip] = lengths.get(strip, 0.0) + _strip_length(points)
             else:
                 shape = np.round((points - points.mean(axis=0)) / np.ptp(points[:, 1]), 1) + 0.0
                 marks[MarkSeen(int(each.get("data-crossing", -1)), strip, role, tuple(shape.ravel()))] = None

@@ -16,7 +16,7 @@ from geoweave.pipeline.verdict import BUT, DO_NOT, Verdict, rebuilt_reasons, ver
 
 if TYPE_CHECKING:
     from geoweave.meshing import Prepared
-    from geoweave.rods import CurvedStep, Relaxed, Step
+    from geoweave.rods import CurvedStep, Relaxed, Step, StripKind
     from geoweave.weave import Inspection, Weave
 
 __all__ = ["Attempt", "attempted", "with_remedy"]
@@ -69,7 +69,7 @@ def attempted(
     weave = design.sized(request.size, request.width, request.thickness)
     with timed(seconds, "inspection"):
         inspection = inspected(weave)
-    relaxed = _relaxed(weave, seconds, say) if request.relax else None
+    relaxed = _relaxed(weave, request.strips, seconds, say) if request.relax else None
     if not cut:
         return Attempt(weave, inspection, relaxed, None, None)
     with timed(seconds, "strips"):
@@ -139,7 +139,7 @@ def _remedies(
 
     weave, narrow = first.weave, first.inspection.suggested_width
     if first.cut is not None and first.cut.space is not None:
-        other = replace(request, relax=False)
+        other = replace(request, relax=False, strips="straight")
         yield "--no-relax", "strips of the design, not as at rest", other, weave, lambda: prepared
     if narrow is not None and narrow < weave.width * weave.placement.scale:
         thin = None if request.thickness is None else min(request.thickness, narrow)
@@ -176,10 +176,10 @@ def _designed(
     return weave
 
 
-def _relaxed(weave: Weave, seconds: dict[str, float], say: Say) -> Relaxed:
+def _relaxed(weave: Weave, strips: StripKind, seconds: dict[str, float], say: Say) -> Relaxed:
     from geoweave.rods import relaxed_weave
 
-    rest = relaxed_weave(weave, callback=_telling(say))
+    rest = relaxed_weave(weave, strips=strips, callback=_telling(say))
     seconds |= rest.seconds
     return rest
 

@@ -11,6 +11,7 @@ from geoweave.errors import FieldError
 from geoweave.pipeline.weave_folder import check_formats
 
 if TYPE_CHECKING:
+    from geoweave.rods import StripKind
     from geoweave.weave import Phase, Singularity
 
 __all__ = ["BOUNDS", "WeaveRequest", "formats_of"]
@@ -57,6 +58,8 @@ class WeaveRequest:
     """What to write. None: json; with a size also the guide, if the weave allows one."""
     relax: bool = True
     """Whether the weave is relaxed to the shape that it takes (Appendix E)."""
+    strips: StripKind = "straight"
+    """How strips are cut: "straight" as in the paper, "designed" or "optimal" (`geoweave.rods.curved`)."""
     singularities: tuple[Singularity, ...] | None = None
     """All singularities, as `geoweave.weave.read_singularities` reads them; None leaves them free."""
     align: tuple[tuple[float, float, float], ...] | None = None
@@ -68,6 +71,14 @@ class WeaveRequest:
         """Refuse what contradicts itself."""
         if self.ribbons is not None and self.scale is not None:
             raise FieldError("ribbons and scale exclude each other; give one of them")
+        from geoweave.rods import STRIPS
+
+        if self.strips not in STRIPS:
+            raise FieldError(f"there are no '{self.strips}' strips; cut them {', '.join(STRIPS)}")
+        if self.strips != "straight" and not self.relax:
+            raise FieldError(
+                f"{self.strips} strips are those of a weave at rest; leave out --no-relax, or cut straight"
+            )
         for name, most in BOUNDS.items():
             value = getattr(self, name)
             if value is None:

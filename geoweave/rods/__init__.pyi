@@ -14,6 +14,7 @@ from .from_ribbons import (
     rods_of_file as rods_of_file,
     rods_of_ribbons as rods_of_ribbons,
 )
+from .natural_curvature import natural_of_strips as natural_of_strips
 from .rod_file import RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
 from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods
 from .slid_weave import (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,8 +15,9 @@ from geoweave.arrays import Scalars, Vectors, frozen
 from geoweave.documents import read_json
 from geoweave.errors import GeoweaveError, WeaveFileError
 from geoweave.rods.from_ribbons import FINENESS, rods_of_polylines
+from geoweave.rods.natural_curvature import curvature_knots, natural_of_strips
 from geoweave.rods.rods import Material, Rods
-from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, Passages
+from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, FlatCurve, Passages, check_curvature
 
 __all__ = ["WovenRods", "at_rest", "read_weave", "rods_of_document"]
 
@@ -42,6 +44,7 @@ WEAVE = documents.entries(
     surface=documents.entries(genus=documents.whole(), boundary_loops=documents.whole()),
     ribbons=documents.each(
         documents.entries(
+            {"curvature": documents.each(documents.each(documents.number(), 2))},
             label=documents.text(),
             family=documents.whole(),
             closed=documents.flag(),
@@ -113,6 +116,7 @@ def _check_crossings(document: Mapping[str, Any]) -> None:
             raise ValueError(
                 f"ribbons[{number}] is {lengths[number]:g} long by its length, and {along:g} by its points"
             )
+        check_curvature(ribbon.get("curvature", ()), document["width"], f"ribbons[{number}].curvature")
     for number, crossing in enumerate(document["crossings"]):
         if max(crossing["ribbons"]) >= len(lengths):
             raise ValueError(f"crossings[{number}].ribbons names a ribbon that is not there")
@@ -169,6 +173,9 @@ def rods_of_document(document: Mapping[str, Any], name: str = "weave.json") -> W
             Material(thickness / scale, YOUNG),
             segment / scale,
         )
+        curves = [_curve(ribbon) for ribbon in ribbons]
+        if any(curve is not None for curve in curves):
+            rods = replace(rods, natural=natural_of_strips(rods, curves))
     except (KeyError, IndexError, TypeError, ValueError, GeoweaveError) as error:
         what = f"lacks {error}" if isinstance(error, KeyError) else str(error)
         raise WeaveFileError(f"{name}: {place}: {what}; write it again with 'geoweave weave'") from error
@@ -191,17 +198,20 @@ def at_rest(
     -------
     dict
         The contents of ``relaxed.json``. ``designed`` of a crossing is how far along its two ribbons it is in
-        the design, so that their order can be compared.
+        the design, so that their order can be compared. ``curvature`` of a ribbon that is cut curved lists
+        places along it and the curvature of its strip there, left is positive; it is linear in between.
     """
     layout, contacts = rods.layout, rods.contacts
     before = np.cumsum(rods.rest) - rods.rest
     along: Scalars = before - before[layout.segment_offsets[:-1]][layout.rod_of_segment]
-    ribbons = []
+    ribbons, knots = [], curvature_knots(rods, unit)
     for r, ribbon in enumerate(document["ribbons"]):
         own = slice(layout.offsets[r], layout.offsets[r + 1])
         length = rods.rest[layout.segment_offsets[r] : layout.segment_offsets[r + 1]].sum()
         shape = {"points": points[own].tolist(), "normals": normals[own].tolist()}
-        ribbons.append(ribbon | {"length": float(length * unit)} | shape)
+        bend = {"curvature": knots[r]} if knots[r] else {}
+        straight = {key: value for key, value in ribbon.items() if key != "curvature"}
+        ribbons.append(straight | {"length": float(length * unit)} | shape | bend)
     known, first = np.unique(contacts.group, return_index=True)
     crossings: list[dict[str, Any]] = []
     for contact, x in sorted(zip(known.tolist(), first.tolist(), strict=True), key=lambda pair: pair[1]):
@@ -242,6 +252,12 @@ def _designed(group: Sequence[Mapping[str, Any]], ribbons: Sequence[int]) -> lis
         places.append(at if pair == list(ribbons) else at[::-1])
     places.sort()
     return places[(len(places) - 1) // 2]
+
+
+def _curve(ribbon: Mapping[str, Any]) -> FlatCurve | None:
+    """How a ribbon's strip is cut; None if it is straight."""
+    knots = tuple((float(at), float(bend)) for at, bend in ribbon.get("curvature", ()))
+    return FlatCurve(knots, float(ribbon["length"]), bool(ribbon["closed"])) if knots else None
 
 
 def _line(ribbon: Mapping[str, Any]) -> tuple[Vectors, Vectors, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from scipy import sparse
 from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import RodError
 from geoweave.fabrication import Pattern
-from geoweave.rods import Contacts, Layout, Material, Rods
+from geoweave.rods import Contacts, Layout, Material, Rods, natural_of_strips
 from geoweave.sparse import factorization
 from geoweave.twin.pattern_surface import PatternSurface
 from geoweave.twin.placement import crossing_normals
@@ -83,7 +84,7 @@ def cut(pattern: Pattern) -> Cut:
 def laid(surface: PatternSurface, points: Vectors, unit: float | None = None) -> LaidStrips:
     """Lay strips smoothly near their crossings, flush with the surface there, the printed side out.
 
-    Rods are naturally straight and flat, and as long as the strips. Their vertices minimise the sum of
+    Rods are naturally flat, as curved and as long as the strips. Their vertices minimise the sum of
     squared distances from crossings and of squared second differences (`SMOOTH`), so free ends go on
     straight.
 
@@ -143,4 +144,5 @@ def laid(surface: PatternSurface, points: Vectors, unit: float | None = None) ->
         contacts,
         Material(pattern.thickness / unit, YOUNG),
     )
-    return LaidStrips(rods, unit, pieces)
+    natural = natural_of_strips(rods, [strip.curve for strip in pattern.strips])
+    return LaidStrips(replace(rods, natural=natural), unit, pieces)

@@ -2,7 +2,8 @@
 
 The twin is made of what a maker has: the lengths of the strips, where they cross and by which angle, which
 lies above, and that the printed side is out. The crossings are placed on the surface that the strips close
-into. The strips are laid there as rods that are naturally straight, and relaxed (Appendix E). The result is
+into. The strips are laid there as rods that are naturally straight, or as curved as they are cut, and
+relaxed (Appendix E). The result is
 compared with the weave that the pattern was exported from.
 """
 

@@ -12,6 +12,7 @@ from .design import (
     weave_field as weave_field,
     weave_pattern as weave_pattern,
 )
+from .flat_curve import FlatCurve as FlatCurve, check_curvature as check_curvature
 from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged
 from .phase import PHASES as PHASES, Phase as Phase, phase_of as phase_of
