@@ -12,6 +12,7 @@ from geoweave.cli import main, weave_command
 from geoweave.fabrication.pattern import Pattern
 from geoweave.models import shapes
 from geoweave.pipeline.verdict import DO_NOT, MAKE, Verdict
+from geoweave.rods.curved_weave import STRIPS
 from geoweave.twin.contradictions import contradictions_of
 from geoweave.twin.pattern_surface import surface_of
 from geoweave.weave.design import weave_pattern
@@ -87,6 +88,23 @@ def test_strips_that_would_not_go_together_are_cut_as_designed(
     lengths = [each["length"] for each in json.loads((tmp_path / result["strips_of"]).read_text())["ribbons"]]
     assert [strip.length for strip in pattern.strips] == pytest.approx(lengths, abs=1e-3)
     assert main.main(["twin", str(tmp_path), "--json"]) == 0
+
+
+def test_strips_are_cut_curved_if_that_is_asked_for(tmp_path, capfd: pytest.CaptureFixture[str]) -> None:
+    ball = write(tmp_path, "ball", "off", *sphere(3))
+    command = ["weave", str(ball), "--faces", "given", "--scale", "0.3", "--size", "200", "-o", str(tmp_path)]
+    assert main.main([*command, "--formats", "pattern,svg", "--strips", "designed", "--json"]) == 0
+    result = json.loads(capfd.readouterr().out)
+    assert result["relax"]["curved_strips"]["kind"] == "designed"
+    assert any("curvature" in each for each in json.loads((tmp_path / "relaxed.json").read_text())["ribbons"])
+    pattern = Pattern.from_document(json.loads((tmp_path / "pattern.json").read_text()))
+    assert all(strip.curve is not None for strip in pattern.strips)
+    assert main.main(["twin", str(tmp_path), "--json"]) == 0
+    assert json.loads(capfd.readouterr().out)["woven"]["crossings"]["mean"] < 0.02
+    assert main.main([*command, "--strips", "optimal", "--no-relax"]) == 2
+    assert "leave out --no-relax" in capfd.readouterr().err
+    option = next(each for each in weave_command.weave.params if each.name == "strips")
+    assert tuple(option.type.choices) == STRIPS
 
 
 @pytest.mark.parametrize("word", ["make it", "make it, but", "do not cut this"])

@@ -118,3 +118,12 @@ def test_a_pattern_whose_edges_would_cross_is_refused(knots: Any) -> None:
     document["strips"][0]["curvature"] = knots
     with pytest.raises(FieldError, match="curvature"):
         Pattern.from_document(document)
+
+
+def test_seen_from_the_inside_a_strip_curves_the_other_way() -> None:
+    pattern = curved(((0.0, 0.01),))
+    _, outside = drawing(pattern)
+    _, inside = drawing(pattern, making=Making(mirror=True))
+    sag = [each.spine[len(each.spine) // 2, 1] - each.spine[0, 1] for each in (outside, inside)]
+    assert sag[0] < -1.0
+    assert sag[1] == pytest.approx(-sag[0], rel=1e-6)

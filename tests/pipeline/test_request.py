@@ -32,6 +32,14 @@ def test_numbers_have_bounds_and_ribbons_fit_the_object() -> None:
         WeaveRequest(size=100.0, thickness=100.0)
 
 
+def test_curved_strips_are_those_of_a_weave_at_rest() -> None:
+    assert WeaveRequest(strips="designed").relax
+    with pytest.raises(FieldError, match="leave out --no-relax"):
+        WeaveRequest(strips="optimal", relax=False)
+    with pytest.raises(FieldError, match="straight, designed, optimal"):
+        WeaveRequest(strips="bent")
+
+
 def test_formats_that_nobody_named() -> None:
     assert WeaveRequest().formats_wanted == ("json",)
     assert WeaveRequest(size=100.0).formats_wanted == ("json", "guide")

@@ -14,6 +14,7 @@ import pytest
 from geoweave.errors import WeaveFileError
 from geoweave.models import shapes
 from geoweave.rods.slid_weave import elastic_rods
+from geoweave.rods.weave_at_rest import relaxed_weave
 from geoweave.rods.weave_file import at_rest, read_weave, rods_of_document
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.weave import Weave
@@ -104,3 +105,36 @@ def test_a_slip_is_named(change: Any, words: str) -> None:
     with pytest.raises(WeaveFileError, match=words) as caught:
         rods_of_document(wrong, "mine.json")
     assert str(caught.value).startswith("mine.json: ")
+
+
+def test_curved_strips_are_read_back_as_rods_of_that_curvature(tmp_path: Path) -> None:
+    rest = relaxed_weave(weave(), strips="designed")
+    rest.save(tmp_path / "relaxed.json")
+    read = read_weave(tmp_path / "relaxed.json")
+    assert all("curvature" in each for each in read["ribbons"])
+    assert not any("curvature" in each for each in document()["ribbons"])
+    again, cut = rods_of_document(read).rods, rest.left.rods
+    assert again.layout.vertices == cut.layout.vertices
+    bent, same = (each.natural / each.spans * each.joint_widths for each in (cut, again))
+    # Between joints the file says it linearly, which smooths what jumps from joint to joint.
+    assert np.sqrt(np.mean((bent - same) ** 2)) < 0.3 * np.sqrt(np.mean(bent**2))
+    assert np.corrcoef(bent, same)[0, 1] > 0.95
+
+
+@pytest.mark.parametrize(
+    ("curvature", "words"),
+    [
+        ([[0.0, 1e3]], r"ribbons\[1\].curvature is 1000 at its sharpest, where the edges .* cross"),
+        ([[5.0, 0.0], [4.0, 0.0]], r"ribbons\[1\].curvature has places that do not increase"),
+        ([[0.0]], r"ribbons\[1\].curvature\[0\] is a list of 1, not a list of 2"),
+        ("left", r'ribbons\[1\].curvature is "left", not a list'),
+    ],
+)
+def test_a_curvature_that_no_strip_has_is_refused(tmp_path: Path, curvature: Any, words: str) -> None:
+    wrong = document()
+    wrong["ribbons"][1]["curvature"] = curvature
+    path = tmp_path / "x.json"
+    path.write_text(json.dumps(wrong))
+    with pytest.raises(WeaveFileError, match=words) as caught:
+        read_weave(path)
+    assert str(caught.value).startswith("x.json: ")

@@ -14,9 +14,12 @@ from twinned import inner, pattern, twin, woven
 from geoweave.errors import FieldError
 from geoweave.fabrication.flattening import pattern_of
 from geoweave.fabrication.pattern import Pattern
+from geoweave.models import shapes
+from geoweave.rods.weave_at_rest import relaxed_weave
 from geoweave.rods.weave_file import read_weave, rods_of_document
 from geoweave.twin.pattern_surface import surface_of
 from geoweave.twin.twin import COMES_BACK, assembled
+from geoweave.weave.design import weave_pattern
 
 
 @pytest.mark.parametrize("name", ["cone", "sphere", "torus"])
@@ -41,6 +44,18 @@ def test_the_woven_object_comes_back_within_a_per_cent(name: str) -> None:
     like = twin(name).compared(woven(name).relaxed)
     assert like.crossings.largest < 0.01
     assert like.crossings.rms < 0.005
+
+
+def test_an_object_of_curved_strips_comes_back_from_their_outlines() -> None:
+    """Without their curvature the same strips make another shape."""
+    weave = weave_pattern(shapes.torus(faces=1500), ribbons=12).sized(200.0)
+    rest = relaxed_weave(weave, strips="designed").document()
+    exported = Pattern.from_document(pattern_of(rest).document())
+    like = assembled(exported).compared(rest)
+    assert like.crossings.mean < 0.005
+    assert like.crossings.largest < 0.02
+    straight = replace(exported, strips=tuple(strip._replace(curvature=()) for strip in exported.strips))
+    assert assembled(straight, anyway=True).compared(rest).crossings.largest > 2 * like.crossings.largest
 
 
 @pytest.mark.parametrize("name", ["cone", "sphere"])
