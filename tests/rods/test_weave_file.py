@@ -13,6 +13,7 @@ import pytest
 
 from geoweave.errors import WeaveFileError
 from geoweave.models import shapes
+from geoweave.rods.rods import Rods
 from geoweave.rods.slid_weave import elastic_rods
 from geoweave.rods.weave_at_rest import relaxed_weave
 from geoweave.rods.weave_file import at_rest, read_weave, rods_of_document
@@ -114,11 +115,23 @@ def test_curved_strips_are_read_back_as_rods_of_that_curvature(tmp_path: Path) -
     assert all("curvature" in each for each in read["ribbons"])
     assert not any("curvature" in each for each in document()["ribbons"])
     again, cut = rods_of_document(read).rods, rest.left.rods
-    assert again.layout.vertices == cut.layout.vertices
-    bent, same = (each.natural / each.spans * each.joint_widths for each in (cut, again))
-    # Between joints the file says it linearly, which smooths what jumps from joint to joint.
-    assert np.sqrt(np.mean((bent - same) ** 2)) < 0.3 * np.sqrt(np.mean(bent**2))
-    assert np.corrcoef(bent, same)[0, 1] > 0.95
+    # Segments may be others, but half of every strip turns as it did.
+    for rods in (again, cut):
+        assert len(rods) == len(weave().names)
+    one, two = (half_turns(rods) for rods in (again, cut))
+    assert np.abs(one).max() > 0.1
+    np.testing.assert_allclose(one, two, atol=0.25 * np.abs(two).max())
+    assert np.corrcoef(one, two)[0, 1] > 0.9
+
+
+def half_turns(rods: Rods) -> Any:
+    """By how much the first half of each strip turns, radians."""
+    found = []
+    for r in range(len(rods)):
+        mine = np.flatnonzero(rods.layout.rod_of_segment[rods.layout.joints[:, 0]] == r)
+        along = np.cumsum(rods.spans[mine])
+        found.append(-2 * np.arctan(0.5 * rods.natural[mine][along < 0.5 * along[-1]]).sum())
+    return np.array(found)
 
 
 @pytest.mark.parametrize(
