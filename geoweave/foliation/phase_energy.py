@@ -56,12 +56,14 @@ class PhaseEnergy:
     Attributes
     ----------
     kappa, eta : weights of the two parts, 0 at first
+    emphasis : (R,) factor on kappa at each place, 1 at first
     """
 
     def __init__(self, field: FaceField, unit: Scalars, triples: Triples) -> None:
         self.mesh, self.triples = field.mesh, triples
         self.kappa, self.eta = 0.0, 0.0
         self.vertices, self.signs, self.mass = triples.corners
+        self.emphasis = np.ones(len(self.mass))
         row = np.repeat(np.arange(len(self.mass)), 3)
         shape = len(self.mass), self.mesh.n_vertices
         self.sum = sparse.csr_array((self.signs.ravel(), (row, self.vertices.ravel())), shape=shape)
@@ -94,13 +96,13 @@ class PhaseEnergy:
     def __call__(self, theta: Scalars, share: Scalars) -> float:
         """The energy at a theta and ``s / shat``."""
         m = self.triples.ribbons
-        off = self.mass @ (1.0 - np.cos(m * self.phase(theta))) / m**2
+        off = (self.emphasis * self.mass) @ (1.0 - np.cos(m * self.phase(theta))) / m**2
         return float(self.kappa * off + 0.5 * self.eta * share @ (self.closing @ share))
 
     def model(self, theta: Scalars, share: Scalars) -> PhaseModel:
         """The model near a theta and an s."""
         m, turned = self.triples.ribbons, self.triples.ribbons * self.phase(theta)
-        stiffness = self.kappa * self.mass
+        stiffness = self.kappa * self.emphasis * self.mass
         weights = stiffness * np.maximum(np.cos(turned), LEAST_COSINE)
         in_theta = -np.asarray(self.sum.T @ (stiffness * np.sin(turned) / m))
         return PhaseModel(weights, in_theta, -self.eta * np.asarray(self.closing @ share))

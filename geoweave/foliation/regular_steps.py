@@ -21,8 +21,8 @@ ETA = 3.0
 FITTING, FITTING_AGAIN = 4, 1
 """Steps with eta alone: from the first eigenvector, and from the one at the s that they found."""
 
-STIFFEST = 100.0
-"""The last kappa, times Eq. 8 per area: phi is then off by about ``sqrt(2 / 100)``, 8 degrees."""
+STIFFEST = 30.0
+"""The last kappa, times Eq. 8 per area: phi is then off by about ``sqrt(2 / 30)``, 15 degrees."""
 
 MOST = 1.0
 """The last kappa is at most as large: beyond, level sets leave their field for the phase."""
@@ -30,8 +30,14 @@ MOST = 1.0
 SOFTEST = 1.0 / 30.0
 """The first kappa, as a share of the last. A stiff start stops in domains of phi = 0 and phi = pi."""
 
-STIFFENING = 6
+STIFFENING = 5
 """Steps from the first kappa to the last."""
+
+OFF = 0.35
+"""Radians, 20 degrees, by which m phi / 2 may be off: two crossings are 0.3 spacings apart at 43 degrees."""
+
+EMPHASIS, MOST_EMPHASIS, EMPHASES = 3.0, 9.0, 3
+"""Factor on kappa where phi is off by more, the most that it comes to, and how many steps raise it."""
 
 
 class RegularSteps(Alternation):
@@ -93,7 +99,9 @@ def regular_course(problem: RegularSteps, s: Scalars, seed: int) -> Iterator[tup
 
     First eta alone brings the frequencies together, so that phi does not drift; theta is found anew at the s
     of these steps. Then kappa grows, from a thirtieth of its last value, which follows from Eq. 8 as it
-    stands by then: the worse the level sets fit their field, as in coarse weaves, the stiffer the phase.
+    stands by then: the worse the level sets fit their field, as in coarse weaves, the stiffer the phase. At
+    last it grows where phi is still off by so much that crossings come near each other, and nowhere else:
+    that bends ribbons less than a kappa that is large everywhere.
 
     Parameters
     ----------
@@ -119,5 +127,11 @@ def regular_course(problem: RegularSteps, s: Scalars, seed: int) -> Iterator[tup
     last = min(MOST, STIFFEST * problem.energy(theta, s) / float(problem.mesh.face_areas.sum()))
     for kappa in last * np.geomspace(SOFTEST, 1.0, STIFFENING):
         phase.kappa = float(kappa)
+        theta, s = problem.improve_both(theta, s)
+        yield theta, s
+    for _ in range(EMPHASES):
+        off = np.abs(phase.phase(theta)) > 2.0 * OFF / phase.triples.ribbons
+        raised = np.minimum(EMPHASIS * phase.emphasis, MOST_EMPHASIS)
+        phase.emphasis = np.where(off, raised, phase.emphasis)
         theta, s = problem.improve_both(theta, s)
         yield theta, s

@@ -9,7 +9,14 @@ from eq8 import coupled, three_sheets
 import geoweave as gw
 from geoweave.errors import FieldError
 from geoweave.foliation.phase_energy import PhaseEnergy
-from geoweave.foliation.regular_steps import MOST, STIFFENING, RegularSteps, regular_course
+from geoweave.foliation.regular_steps import (
+    EMPHASES,
+    MOST,
+    MOST_EMPHASIS,
+    STIFFENING,
+    RegularSteps,
+    regular_course,
+)
 from geoweave.foliation.theta_and_s import FLOOR
 
 
@@ -54,9 +61,11 @@ def test_the_phase_stiffens_up_to_what_eq_8_asks_for() -> None:
     steps, _, s = coupled()
     weights = [steps.phase.kappa for _ in regular_course(steps, s, 0)]
     stiff = [kappa for kappa in weights[1:] if kappa > 0]
-    assert len(stiff) >= STIFFENING
-    assert (np.diff(stiff[-STIFFENING:]) > 0).all()
-    assert stiff[-1] <= MOST
+    growing = stiff[-STIFFENING - EMPHASES : -EMPHASES]
+    assert (np.diff(growing) > 0).all()
+    assert stiff[-EMPHASES:] == [growing[-1]] * EMPHASES
+    assert growing[-1] <= MOST
+    assert 1.0 <= steps.phase.emphasis.min() <= steps.phase.emphasis.max() <= MOST_EMPHASIS
 
 
 def test_a_held_s_cannot_be_coupled() -> None:
