@@ -111,6 +111,6 @@ def test_regular_is_for_symmetries_that_three_divides() -> None:
 
 
 def test_the_phase_lowers_the_share_of_piled_crossings() -> None:
-    mesh: TriMesh = shapes.torus(faces=1500)
+    mesh: TriMesh = shapes.torus(faces=2500)
     regular, free = (weave_field(mesh, phase=each).pattern() for each in ("regular", "free"))
-    assert piled(regular) < 0.6 * piled(free)
+    assert piled(regular) < 0.3 * piled(free)  # 0.12 and 0.70; half is what chance gives
