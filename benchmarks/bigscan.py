@@ -81,10 +81,20 @@ def measure(path: str, folder: str) -> dict[str, Any]:
     }
 
 
-def child(path: Path, folder: Path) -> dict[str, Any]:
-    """The same in a process of its own."""
-    command = [sys.executable, "-m", "benchmarks.bigscan", "--one", str(path), str(folder)]
+def child(option: str, *arguments: object) -> dict[str, Any]:
+    """Do one thing in a process of its own.
+
+    The scans are made in such processes too, because the peak memory of a process counts for its children.
+    """
+    command = [sys.executable, "-m", "benchmarks.bigscan", option, *map(str, arguments)]
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout)
+
+
+def make(subdivisions: int, path: str, even: str) -> dict[str, Any]:
+    """Write a scan, and the mesh that it is remeshed to."""
+    write_mesh(scan(subdivisions), path)
+    write_mesh(evened(read_mesh(path), ribbons=RIBBONS).mesh, even)
+    return {}
 
 
 def line(row: dict[str, Any], base: dict[str, Any], limits: tuple[float, float] | None) -> str:
@@ -102,16 +112,15 @@ def table(subdivisions: list[int]) -> bool:
     lines, within = [HEAD, "|---:|" + "---:|" * 8], True
     with tempfile.TemporaryDirectory() as folder:
         files = {n: Path(folder) / f"scan{n}.ply" for n in subdivisions}
-        for n, path in files.items():
-            write_mesh(scan(n), path)
         even = Path(folder) / "even.ply"
-        write_mesh(evened(read_mesh(files[subdivisions[0]]), ribbons=RIBBONS).mesh, even)
-        child(even, Path(folder) / "first")
-        base = child(even, Path(folder) / "even")
+        for n, path in reversed(files.items()):
+            child("--make", n, path, even)
+        child("--one", even, Path(folder) / "first")
+        base = child("--one", even, Path(folder) / "even")
         lines.append(line(base, base, None))
         print("\n".join(lines), flush=True)
         for n, path in files.items():
-            row = child(path, Path(folder) / f"woven{n}")
+            row = child("--one", path, Path(folder) / f"woven{n}")
             within &= n not in LIMITS or (row["seconds"] <= LIMITS[n][0] and row["memory_gb"] <= LIMITS[n][1])
             lines.append(line(row, base, LIMITS.get(n)))
             print(lines[-1], flush=True)
@@ -124,8 +133,12 @@ def main() -> int:
     """Print the table, or weave one file."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.bigscan")
     parser.add_argument("--one", nargs=2, metavar=("FILE", "FOLDER"), help="weave this file, print JSON")
+    parser.add_argument("--make", nargs=3, metavar=("N", "FILE", "EVEN"), help="write this scan")
     parser.add_argument("--subdivisions", type=int, nargs="+", default=[*LIMITS], metavar="N")
     options = parser.parse_args()
+    if options.make:
+        print(json.dumps(make(int(options.make[0]), *options.make[1:])))
+        return 0
     if options.one:
         print(json.dumps(measure(*options.one)))
         return 0
