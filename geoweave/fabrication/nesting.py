@@ -182,9 +182,11 @@ def _rows(drawings: Sequence[Drawn], room: float, gap: float) -> list[list[int]]
         own = sorted((k for k in range(len(drawings)) if drawings[k].family == family), key=_by(drawings))
         spliced = [k for k in own if drawings[k].piece.total > 1]
         whole = [k for k in own if drawings[k].piece.total == 1]
-        found = [[k] for k in spliced]
-        left = [room - _length(drawings[k]) for k in spliced]
-        for k in sorted(whole, key=lambda k: -_length(drawings[k])):
+        found: list[list[int]] = []
+        left: list[float] = []
+        # The last piece of a strip may lie behind that of another one; its other pieces fill their rows.
+        rest = sorted(whole, key=lambda k: -_length(drawings[k]))
+        for k in [*spliced, *rest]:
             need = _length(drawings[k]) + gap
             # The row that it fills best.
             fitting = [(left[r], r) for r in range(len(found)) if left[r] >= need - 1e-9]

@@ -41,7 +41,7 @@ RULER = (14.0, 20.0, 100.0)
 
 def page_stock(paper: Paper) -> Stock:
     """Room for strips on a page."""
-    return Stock(paper.width - 2 * MARGIN, paper.height - 2 * MARGIN - FOOT, margin=0.5, gap=2.5)
+    return Stock(paper.width - 2 * MARGIN, paper.height - 2 * MARGIN - FOOT, margin=0.5, gap=1.5)
 
 
 def laid_on_pages(drawings: Sequence[Drawn], paper: Paper) -> tuple[Sheet, ...]:

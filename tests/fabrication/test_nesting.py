@@ -9,7 +9,7 @@ import pytest
 from laidflat import NAMES, patterns
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.nesting import Laid, Stock, nested
+from geoweave.fabrication.nesting import Laid, Stock, nested, used_share
 from geoweave.fabrication.pieces import Making, pieces_of
 from geoweave.fabrication.strip_drawing import drawn
 from geoweave.fabrication.stroke_font import Box, boxes_overlap
@@ -57,3 +57,21 @@ def test_refusals() -> None:
         Stock(width=9.0)
     with pytest.raises(FieldError, match="gap"):
         Stock(gap=-1.0)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_rows_come_as_a_person_looks_for_them(name: str) -> None:
+    """Rows are in the order of the family and number of their first pieces, from the top down."""
+    stock = Stock(230.0, 300.0)
+    pattern = patterns()[name]
+    pieces = pieces_of(pattern, Making(), stock.room)
+    sheets = nested([drawn(pattern, piece, Making()) for piece in pieces], stock)
+    first = {}
+    for number, sheet in enumerate(sheets):
+        for laid in sheet.laid:
+            first.setdefault((number, laid.row), laid)
+    found = [(one.drawn.family, one.drawn.number, one.drawn.piece.number) for _, one in sorted(first.items())]
+    assert found == sorted(found)
+    assert 0 < used_share(sheets) < 1
+    # no row could be taken into another one of its family
+    assert len(found) <= len(pieces)
