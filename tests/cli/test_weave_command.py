@@ -72,12 +72,12 @@ def test_a_mesh_is_woven_on_as_it_is_if_that_is_asked_for(
     assert (result["faces"], result["repairs"]["remeshed_from"]) == (512, 0)
 
 
-@pytest.mark.parametrize("scale", ["0.7", "1"])
+@pytest.mark.parametrize("scale", ["0.9", "1"])
 def test_strips_that_would_not_go_together_are_cut_as_designed(
     tmp_path, capfd: pytest.CaptureFixture[str], scale: str
 ) -> None:
     command = ["weave", "spot", "--faces", "1500", "--scale", scale, "--size", "300", "-o", str(tmp_path)]
-    command += ["--phase", "free"]  # of which these scales are known to slip, and not to slip
+    command += ["--phase", "free"]  # at smaller scales the verdict is "do not cut this", and twin exits 1
     assert main.main([*command, "--formats", "pattern", "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["strips_of"] == ("weave.json" if result["slipped"] else "relaxed.json")
@@ -117,7 +117,7 @@ def test_the_verdict_comes_last_and_decides_the_status_if_strict(
         design, "with_remedy", lambda verdict, *_: dataclasses.replace(verdict, remedy="Try that")
     )
     ball = write(tmp_path, "ball", "off", *sphere(3))
-    command = ["weave", str(ball), "--faces", "500", "--scale", "0.3", "--size", "200", "--no-relax"]
+    command = ["weave", str(ball), "--faces", "500", "--scale", "0.5", "--size", "200", "--no-relax"]
     command += ["--formats", "pattern", "-o", str(tmp_path / "woven")]
     assert main.main(command) == 0
     said = found.sentence + (". Try that" if word == DO_NOT else "")
@@ -126,7 +126,7 @@ def test_the_verdict_comes_last_and_decides_the_status_if_strict(
     result = json.loads(capfd.readouterr().out)
     assert result["verdict"]["word"] == word
     assert json.loads((tmp_path / "woven" / "report.json").read_text())["verdict"] == result["verdict"]
-    assert main.main(["weave", str(ball), "--faces", "500", "--scale", "0.3", "--no-relax", "--json",
+    assert main.main(["weave", str(ball), "--faces", "500", "--scale", "0.5", "--no-relax", "--json",
                       "-o", str(tmp_path / "plain")]) == 0  # fmt: skip
     assert json.loads(capfd.readouterr().out)["verdict"] is None
 
