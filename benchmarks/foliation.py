@@ -20,6 +20,7 @@ from geoweave.foliation import integrability, theta_systems
 from geoweave.foliation.foliation import foliate, punctured
 from geoweave.foliation.integrability import integrating_factor
 from geoweave.models.shapes import genus_g
+from geoweave.sparse import reuse
 from geoweave.sparse.factorization import Factorization, factorized, nested_dissection
 from geoweave.surface.mesh import TriMesh
 
@@ -50,11 +51,11 @@ def counting() -> Iterator[tuple[list[int], list[int]]]:
         return Counted(factorized(*arguments), solves)
 
     try:
-        for module in (theta_systems, integrability):
+        for module in (theta_systems, integrability, reuse):
             module.factorized = counted  # type: ignore[attr-defined]
         yield made, solves
     finally:
-        for module in (theta_systems, integrability):
+        for module in (theta_systems, integrability, reuse):
             module.factorized = factorized  # type: ignore[attr-defined]
 
 

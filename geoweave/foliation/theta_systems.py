@@ -14,7 +14,7 @@ from scipy import sparse
 from geoweave.arrays import Indices, Scalars
 from geoweave.foliation.integrability import vertices_and_faces
 from geoweave.foliation.theta_energy import ThetaEnergy
-from geoweave.sparse import Analysis, Assembly, Factorization, Ordering, analysed, factorized
+from geoweave.sparse import Analysis, Assembly, Factorization, Ordering, Reused, analysed, factorized
 
 DEFINITE = 1e-7
 """Share of the mean diagonal that is added to it: a constant theta has no energy."""
@@ -40,6 +40,8 @@ class ThetaSystems:
         self.vertex_ordering = self.ordering.of(np.arange(mesh.n_vertices))
         self.face_ordering = self.ordering.of(mesh.n_vertices + np.arange(mesh.n_faces))
         self._analyses: dict[Assembly, Analysis] = {}
+        # From step to step the weights change little, so that factors serve several of them.
+        self._joint_reused = Reused(self.ordering)
 
     # -- where the entries are --------------------------------------------------------------------------
 
@@ -140,13 +142,13 @@ class ThetaSystems:
         cross = (free[:, None] * at_corner).ravel()
         i, j = self._pairs
         lower = eq8.smoothness * eq8.laplacian.data * free[i] * free[j]
-        diagonal = (convex * eq8.slope**2).sum(axis=1) * free + (1.0 - free)
+        # A face that keeps its s keeps its diagonal too, so that factors serve other sets of free faces.
+        diagonal = (convex * eq8.slope**2).sum(axis=1)
         return [off, off, self._diagonal(convex.ravel()), cross, cross, lower, diagonal]
 
     def joint_factors(self, convex: Scalars, free: Scalars) -> Factorization:
         """Factors of the model of `joint_entries`."""
-        matrix = self._joint(np.concatenate(self.joint_entries(convex, free)))
-        return self._factorized(self._joint, matrix, self.ordering)
+        return self._joint_reused.of(self._joint(np.concatenate(self.joint_entries(convex, free))))
 
     @cached_property
     def s_alone(self) -> tuple[sparse.csr_array, Factorization]:

@@ -12,3 +12,4 @@ from .factorization import (
     one_blas_thread as one_blas_thread,
     smallest_eigenpair as smallest_eigenpair,
 )
+from .reuse import Reused as Reused, near_solution as near_solution

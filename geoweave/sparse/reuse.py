@@ -1,0 +1,129 @@
+"""Factors that serve several matrices: those of one matrix as preconditioner for the next ones."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geoweave.arrays import Scalars
+from geoweave.sparse.factorization import (
+    Analysis,
+    Column,
+    Factorization,
+    Ordering,
+    SparseMatrix,
+    analysed,
+    factorized,
+)
+
+__all__ = ["NEARNESS", "STEPS", "Reused", "near_solution"]
+
+NEARNESS = 0.3
+"""What conjugate gradients leave of a step of Newton's method, as a share: the next step mends it.
+
+On foliations smaller shares took more solves and ended no lower.
+"""
+
+STEPS = 6
+"""Steps after which a matrix is factored: by then they cost about half of its factorisation."""
+
+
+def near_solution(
+    matrix: SparseMatrix, factors: Factorization, right: Scalars, nearness: float, steps: int
+) -> tuple[Scalars, bool]:
+    """Solve ``A x = b`` by conjugate gradients, preconditioned with the factors of a similar matrix P.
+
+    Parameters
+    ----------
+    matrix : A, symmetric positive definite, (n, n)
+    factors : of P, symmetric positive definite, (n, n)
+    right : (n,) b
+    nearness : the root of ``r' P^-1 r``, r what is left of b, is to fall to this share
+    steps : most solves with the factors
+
+    Returns
+    -------
+    x, whether it is so near. Each step lowers ``1/2 x' A x - b' x``, so that x is a way downhill of that
+    function in any case
+
+    Examples
+    --------
+    >>> from scipy import sparse
+    >>> from geoweave.sparse import Ordering, factorized, near_solution
+    >>> matrix = sparse.diags_array([2.0, 3.0, 4.0]).tocsr()
+    >>> x, near = near_solution(matrix, factorized(matrix, Ordering(None)), np.ones(3), 1e-9, 2)
+    >>> near, bool(np.allclose(matrix @ x, 1.0))
+    (True, True)
+    """
+    x, rest, direction = np.zeros_like(right), right, np.zeros_like(right)
+    first = last = 0.0
+    for step in range(steps + 1):
+        # The last look needs a solve too: what is left is measured with the factors.
+        descent = factors.solve(rest)
+        slope = float(rest @ descent)
+        if step == 0:
+            first = slope
+        if slope <= nearness**2 * first:
+            return x, True
+        if step == steps:
+            return x, False
+        direction = descent if step == 0 else descent + slope / last * direction
+        image = matrix @ direction
+        length = slope / float(direction @ image)
+        x, rest, last = x + length * direction, rest - length * image, slope
+    raise AssertionError("the loop returns")
+
+
+class Reused:
+    """Matrices of one pattern that change little from one to the next, and factors that serve several.
+
+    A system is solved by conjugate gradients with the factors made last. Where that takes too many steps,
+    its own matrix is factored. Nothing depends on a clock.
+
+    Parameters
+    ----------
+    ordering : of the pattern of all matrices
+    nearness, steps : as for `near_solution`
+    """
+
+    def __init__(self, ordering: Ordering, *, nearness: float = NEARNESS, steps: int = STEPS) -> None:
+        self.nearness, self.steps = nearness, steps
+        self._ordering = ordering
+        self._analysis: Analysis | None = None
+        self._factors: Factorization | None = None
+
+    def of(self, matrix: SparseMatrix) -> Factorization:
+        """What solves with a matrix; its answers are as near as `nearness` says, or exact."""
+        return _Near(self, matrix)
+
+    def _factored(self, matrix: SparseMatrix) -> Factorization:
+        if self._analysis is None:
+            self._analysis = analysed(matrix, self._ordering)
+        self._factors = factorized(matrix, self._analysis)
+        return self._factors
+
+
+class _Near:
+    """One matrix, solved with by the factors of another until that takes too long."""
+
+    def __init__(self, reused: Reused, matrix: SparseMatrix) -> None:
+        self._reused, self._matrix = reused, matrix
+        self._exact: Factorization | None = None if reused._factors is not None else reused._factored(matrix)
+
+    @property
+    def size(self) -> int:
+        return int(self._matrix.shape[0])
+
+    @property
+    def fill(self) -> int:
+        assert self._reused._factors is not None  # since the first matrix
+        return self._reused._factors.fill
+
+    def solve(self, right: Column) -> Column:
+        if self._exact is None:
+            reused = self._reused
+            assert reused._factors is not None
+            x, near = near_solution(self._matrix, reused._factors, right, reused.nearness, reused.steps)
+            if near:
+                return x
+            self._exact = reused._factored(self._matrix)
+        return self._exact.solve(right)
