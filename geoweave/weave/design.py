@@ -27,7 +27,7 @@ from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
 from geoweave.weave.kept_singularities import Met
 from geoweave.weave.phase import Phase, phase_of
 from geoweave.weave.ribbon_count import TRIES, nearest_scale
-from geoweave.weave.ribbons import Cutting, Ribbons, ribbons
+from geoweave.weave.ribbons import Cutting, Ribbons, expected_number, ribbons
 from geoweave.weave.stages import Callback, Stages
 from geoweave.weave.steering import Steering, steered_rosy, steering_for, steering_met
 from geoweave.weave.weave import THINNESS, Design, Weave, default_width
@@ -54,6 +54,7 @@ class _Made(NamedTuple):
     foliation: Foliation
     ribbons: Ribbons
     families: Indices
+    leaves: Leaves
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +157,7 @@ class WeaveField:
         stages.begin("ribbons", more)
         leaves = self.cover.project(isolines(self.cover.quotient.lifted(foliation), [LEVEL]))
         found = ribbons(leaves, self.families, cutting)
-        return _Made(scale, foliation, found, frozen(leaves.families[found.origin]))
+        return _Made(scale, foliation, found, frozen(leaves.families[found.origin]), leaves)
 
     def _nearest(
         self, wanted: int, cutting: Cutting | None, tries: int, stages: Stages
@@ -183,7 +184,11 @@ class WeaveField:
                 best = made
             return len(made.ribbons)
 
-        search = nearest_scale(count, wanted, tries=tries)
+        def expected(scale: float) -> float:
+            assert best is not None  # nothing is expected before a try has counted something
+            return expected_number(best.leaves, self.families, numbers, scale / best.scale)
+
+        search = nearest_scale(count, wanted, tries=tries, expected=expected)
         assert best is not None  # or the search would have raised
         return best, search.tried
 

@@ -8,7 +8,7 @@ numbers serves every model.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -71,6 +71,30 @@ class Cutting:
             raise FieldError(f"a tail of {self.tail} is longer than the reach of {self.reach}")
         if self.shallowest >= 90:
             raise FieldError(f"crossings at {self.shallowest} degrees or more cannot be asked for")
+
+    def seen_from(self, denser: float) -> Cutting:
+        """The same lengths and crossings where the spacing is so many times smaller.
+
+        By these numbers level sets that lie so many times as close are cut as wider ones are. ``beside``
+        stays: which ribbons double one another is judged by the spacing that they have.
+
+        Examples
+        --------
+        >>> from geoweave.weave.ribbons import Cutting
+        >>> Cutting(shortest=3.0).seen_from(2.0).shortest
+        6.0
+        """
+        return replace(
+            self,
+            sharpest=self.sharpest / denser,
+            window=self.window * denser,
+            shortest=self.shortest * denser,
+            fewest=max(1, round(self.fewest * denser)),
+            reach=self.reach * denser,
+            tail=self.tail * denser,
+            bare=self.bare * denser,
+            apart=tuple(each * denser for each in self.apart),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,6 +253,28 @@ def _smaller_part(curves: Curves, part: Indices) -> Flags:
     _, first = np.unique(component[order], return_index=True)
     others = np.setdiff1d(part, part[order[first]])
     return np.isin(part, others[:1])
+
+
+def expected_number(level_sets: Curves, families: int, cutting: Cutting, share: float) -> float:
+    """How many ribbons to expect where level sets lie ``1 / share`` times as far apart as those given.
+
+    A level set then stands for a share of one. All are cut by the numbers of the other spacing, and those
+    that are left are counted by their share. No field is integrated anew.
+
+    Parameters
+    ----------
+    level_sets, families, cutting : as for `ribbons`
+    share : of the number of level sets, more or less than 1
+
+    Returns
+    -------
+    float
+        0 where nothing would be left.
+    """
+    try:
+        return share * len(ribbons(level_sets, families, cutting.seen_from(1.0 / share)))
+    except FieldError:
+        return 0.0
 
 
 def _cut(curves: Curves, sharpest: float, window: float, shortest: float) -> tuple[Curves, Indices]:

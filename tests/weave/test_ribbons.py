@@ -22,7 +22,7 @@ from geoweave.foliation.foliation import foliate
 from geoweave.foliation.level_sets import isolines
 from geoweave.models import shapes
 from geoweave.weave.cover import branched_cover
-from geoweave.weave.ribbons import Cutting, Ribbons, _cut, ribbons
+from geoweave.weave.ribbons import Cutting, Ribbons, _cut, expected_number, ribbons
 
 
 @cache
@@ -209,3 +209,22 @@ def test_what_cannot_be_is_refused() -> None:
         ribbons(stretches(level_sets("torus"), np.zeros(0, dtype=np.int64)))
     with pytest.raises(FieldError, match="shorter than"):
         ribbons(level_sets("torus"), cutting=Cutting(shortest=1e6))
+
+
+def test_numbers_seen_from_another_spacing_are_the_same_lengths() -> None:
+    given = Cutting(fewest=6)
+    seen = given.seen_from(1.5)
+    for name, value in vars(given).items():
+        if name in ("shallowest", "beside"):  # an angle, and what is judged at the spacing that is there
+            assert getattr(seen, name) == value
+        else:
+            power = -1.0 if name == "sharpest" else 1.0
+            np.testing.assert_allclose(getattr(seen, name), np.multiply(value, 1.5**power))
+    assert given.seen_from(1e-3).fewest == 1
+
+
+def test_as_many_are_expected_at_the_same_spacing_and_about_half_at_half_the_number() -> None:
+    leaves, number = level_sets("sphere"), len(made("sphere"))
+    assert expected_number(leaves, 3, Cutting(), 1.0) == number
+    assert 0.3 * number < expected_number(leaves, 3, Cutting(), 0.5) < 0.7 * number
+    assert expected_number(leaves, 3, Cutting(), 1e-3) == 0.0
