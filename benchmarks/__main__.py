@@ -114,6 +114,23 @@ def covers() -> list[dict]:
     return rows
 
 
+def speed(faces: int = 30_000) -> dict:
+    row = child("speed", str(faces))
+    print(f"\nThe regular weave of a bunny of {faces:,} faces; seconds of wall clock.")
+    print("The limit of theta and s: four factorisations of their joint matrix and the solves with it.\n")
+    print("   phase    total    joint    limit  multiple  factored  crossings")
+    for name in ("regular", "free"):
+        one = row[name]
+        print(
+            f"{name:>8} {one['total']:>6.2f} s {one['joint']:>6.2f} s {one['limit']:>6.2f} s "
+            f"{one['multiple']:>8.1f}x {one['factorisations']:>9} {one['crossings']:>10,}"
+        )
+    print(f"theta and s, regular against free: {row['phase_against_free']:.2f}")
+    for each in row["searches"]:
+        print(f"{each['wanted']} ribbons asked: {each['found']} found, {each['integrations']} integrations")
+    return row
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     parser.add_argument(
@@ -122,6 +139,7 @@ def main() -> None:
     largest = parser.parse_args().largest
     results = {"growth": growth(largest), "kkt": against_kkt(), "foliations": foliations()}
     results["covers"] = covers()
+    results["speed"] = speed()
     results["imports"] = imports.table()
     print()
     results["rods"] = rods.table([])
