@@ -2,7 +2,8 @@
 
 For each mesh and number of ribbons: how far the weave at rest is from its surface, in shares of the diagonal,
 with straight, designed and optimal strips. The surfaces of *3D Weaving with Curved Ribbons* (Ren et al. 2021)
-are not part of this repository; beside a mesh called ``bean`` their figures are shown.
+are not part of this repository; beside a mesh called ``bean`` their figures are shown. Theirs are for ribbons
+0.0333 wide, here ribbons have the default width.
 """
 
 from __future__ import annotations
