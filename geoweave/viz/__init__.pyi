@@ -11,7 +11,12 @@ from .charts import (
 from .film import Film as Film, relaxing as relaxing
 from .layout import gallery as gallery
 from .pages import Page as Page, strips_page as strips_page
-from .periodic import Periodic as Periodic, add_theta as add_theta, periodic_gallery as periodic_gallery
+from .periodic import (
+    Periodic as Periodic,
+    add_theta as add_theta,
+    periodic_gallery as periodic_gallery,
+    theta_values as theta_values,
+)
 from .picture import Picture as Picture
 from .plate import Lines as Lines, Note as Note, Plate as Plate, projections as projections
 from .plate_layout import plates as plates
@@ -23,6 +28,7 @@ from .scales import (
     energy_scale as energy_scale,
     factor_scale as factor_scale,
     heat_scale as heat_scale,
+    theta_scale as theta_scale,
 )
 from .scene import Scene as Scene
 from .shading import (
@@ -41,6 +47,7 @@ from .sheets import (
     stacked_sheets as stacked_sheets,
     theta_scene as theta_scene,
 )
+from .smoothing import smoothed as smoothed
 from .solids import bands as bands, strips as strips
 from .streamline_panels import (
     Panel as Panel,

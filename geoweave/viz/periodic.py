@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex
 from matplotlib.figure import Figure
 
-from geoweave.arrays import Indices, Vectors
+from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.curves import Curves
 from geoweave.errors import RenderError
 from geoweave.foliation import TURN, CircleFunction
@@ -21,7 +21,7 @@ from geoweave.surface import Part, TriMesh
 from geoweave.viz import style
 from geoweave.viz.layout import grid
 from geoweave.viz.picture import Picture
-from geoweave.viz.scales import Scale, colour_bar
+from geoweave.viz.scales import colour_bar, theta_scale
 from geoweave.viz.scene import Scene
 from geoweave.viz.views import View, view_of
 
@@ -42,6 +42,23 @@ def angles_of_faces(circle: CircleFunction) -> Vectors:
     return np.asarray(
         start[:, None] + np.stack([0 * start, change[:, 2], change[:, 2] + change[:, 0]], axis=1)
     )
+
+
+def theta_values(circle: CircleFunction) -> Scalars:
+    """Angle in the middle of each face, from 0 to 2 pi: theta at its first corner and a third of the changes.
+
+    Returns
+    -------
+    (F,) radians
+
+    Examples
+    --------
+    >>> circle = gw.foliate(gw.smoothest_field(gw.shapes.torus(faces=400))).circle
+    >>> values = viz.theta_values(circle)
+    >>> bool(values.min() >= 0 and values.max() < 2 * np.pi), values.shape == (circle.mesh.n_faces,)
+    (True, True)
+    """
+    return np.asarray(angles_of_faces(circle).mean(axis=1) % TURN)
 
 
 def corner_angles(circle: CircleFunction, part: Part | None = None) -> tuple[TriMesh, Vectors]:
@@ -226,6 +243,4 @@ def _wheel_bar(figure: Figure, unit: float) -> None:
     """Draw the colours of one full turn at the bottom."""
     height = figure.bbox.height
     box = (0.37, unit * 100 / height, 0.26, unit * 18 / height)
-    quarters = ("0", "π/2", "π", "3π/2", "2π")
-    ticks = {k * TURN / 4: words for k, words in enumerate(quarters)}
-    colour_bar(figure, Scale(style.cyclic(), 0.0, TURN, "θ (2π is 0 again)"), box, unit, ticks=ticks)
+    colour_bar(figure, theta_scale(), box, unit)

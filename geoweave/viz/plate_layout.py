@@ -164,8 +164,7 @@ def _faces(axes: Axes, plate: Plate, unit: float) -> None:
     if plate.values is None or plate.scale is None:
         colours = np.tile(to_rgb(style.SURFACE), (len(seen), 1))
     else:
-        share = (plate.values[seen] - plate.scale.low) / (plate.scale.high - plate.scale.low)
-        colours = np.asarray(plate.scale.colormap(share))[:, :3]
+        colours = np.asarray(plate.scale.colormap(plate.scale.norm(plate.values[seen])))[:, :3]
     light = mesh.face_normals[seen] @ (eye - 0.45 * right + 0.6 * up) / np.linalg.norm([1.0, 0.45, 0.6])
     if np.ptp(light) > 1e-6:
         colours = colours * (0.72 + 0.28 * np.clip(light, 0.0, 1.0))[:, None]

@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import Colormap, Normalize
+from matplotlib.colors import Colormap, LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from geoweave.arrays import Scalars
 from geoweave.errors import RenderError
@@ -29,11 +29,29 @@ class Scale:
     low: float
     high: float
     label: str
+    ticks: Mapping[float, str] | None = None
+    """Values and their words, for a bar that is closed at both ends; about six round numbers if not given."""
+    log: bool = False
+    """Whether equal ratios, and not equal differences, are equally far apart on the bar."""
+
+    def __post_init__(self) -> None:
+        if self.log and not 0 < self.low < self.high:
+            raise RenderError(f"a logarithmic scale needs 0 < low < high, not {self.low:g} and {self.high:g}")
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Least and greatest value that have a colour of their own."""
+        return self.low, self.high
+
+    @property
+    def norm(self) -> Normalize:
+        """Where a value lies on the bar, from 0 to 1."""
+        return (LogNorm if self.log else Normalize)(self.low, self.high)
 
     @property
     def ends(self) -> Literal["both", "max"]:
         """Which ends of the bar stand for everything beyond."""
-        return "both" if self.low < 0 else "max"
+        return "both" if self.low < 0 or self.log else "max"
 
 
 def heat_scale(values: Scalars, label: str, percentile: float = 98.0) -> Scale:
@@ -48,15 +66,33 @@ def heat_scale(values: Scalars, label: str, percentile: float = 98.0) -> Scale:
     return Scale(style.heat(), 0.0, high if high > 0 else 1.0, label)
 
 
-def factor_scale(high: float, label: str = "integrating factor s") -> Scale:
-    """Scale of a positive factor from zero to ``high``, dark where it is large.
+def factor_scale(low: float, high: float, label: str = "integrating factor s") -> Scale:
+    """Scale of a positive factor, dark where it is large; equal ratios are equally far apart.
+
+    Raises
+    ------
+    RenderError
+        Unless ``0 < low < high``.
 
     Examples
     --------
-    >>> viz.factor_scale(2.0).label
-    'integrating factor s'
+    >>> float(viz.factor_scale(0.5, 8.0).norm(2.0))
+    0.5
     """
-    return Scale(style.heat(), 0.0, high, label)
+    return Scale(style.heat(), low, high, label, log=True)
+
+
+def theta_scale() -> Scale:
+    """Scale of an angle: one full turn of the colour wheel, which ends as it begins.
+
+    Examples
+    --------
+    >>> viz.theta_scale().ticks[0.0]
+    '0'
+    """
+    quarters = ("0", "π/2", "π", "3π/2", "2π")
+    ticks = {k * 0.5 * np.pi: words for k, words in enumerate(quarters)}
+    return Scale(style.cyclic(), 0.0, 2 * np.pi, "θ (2π is 0 again)", ticks)
 
 
 def deviation_scale(high: float = 30.0) -> Scale:
@@ -106,7 +142,6 @@ def colour_bar(
     unit: float,
     *,
     upright: bool = False,
-    ticks: Mapping[float, str] | None = None,
 ) -> None:
     """Draw the bar of a scale with its label.
 
@@ -117,18 +152,23 @@ def colour_bar(
     box : left, bottom, width and height as shares of the figure
     unit : pixels of this figure for one of a figure of full width
     upright : whether the bar stands; else it lies
-    ticks : values and their words; about six round numbers if not given, and the ends are open
     """
     axes = figure.add_axes(box)
     bar = Colorbar(
-        axes, ScalarMappable(Normalize(scale.low, scale.high), scale.colormap),
+        axes, ScalarMappable(scale.norm, scale.colormap),
         orientation="vertical" if upright else "horizontal",
-        extend="neither" if ticks else scale.ends, extendfrac=0.03, ticks=list(ticks) if ticks else None,
+        extend="neither" if scale.ticks else scale.ends, extendfrac=0.03,
+        ticks=list(scale.ticks) if scale.ticks else None,
     )  # fmt: skip
     bar.outline.set_visible(False)
     axes.tick_params(length=unit * 3, width=unit * 0.7, pad=unit * 3, labelsize=unit * 8.5)
-    if ticks:
-        bar.set_ticklabels(list(ticks.values()))
+    if scale.ticks:
+        bar.set_ticklabels(list(scale.ticks.values()))
+    elif scale.log:
+        bar.locator = LogLocator(2.0, numticks=9)
+        bar.formatter = FuncFormatter(lambda value, _: f"{value:g}")
+        bar.minorlocator = NullLocator()
+        bar.update_ticks()
     else:
         bar.locator = MaxNLocator(6)
         bar.update_ticks()

@@ -67,6 +67,7 @@ class Scene:
         values: Scalars | None = None,
         limit: float | None = None,
         limits: tuple[float, float] | None = None,
+        log: bool = False,
         colormap: Colormap | None = None,
         colour: str = style.SURFACE,
         crease: float = 80.0,
@@ -75,7 +76,8 @@ class Scene:
         """Add the surface, smooth but for creases sharper than ``crease`` degrees.
 
         ``values`` are shown, (F,) one colour a face or (V,) joined over the faces, on the diverging map from
-        ``-limit`` to ``limit`` or on the given map between ``limits``; where the value is not a number the
+        ``-limit`` to ``limit`` or on the given map between ``limits`` (equal ratios
+        equally far apart if ``log``); where the value is not a number the
         surface has the plain ``colour``. With an ``opacity`` below 1 what lies behind it shows through.
         """
         if self._placement is None:
@@ -90,6 +92,7 @@ class Scene:
             reach = float(np.nanmax(np.abs(values))) if limit is None else limit
             look = {"scalars": "values", "cmap": colormap or style.diverging(), "nan_color": colour}
             look["clim"] = limits or (-reach, reach)
+            look["log_scale"] = log
         soup = soup.compute_normals(
             cell_normals=False, split_vertices=True, feature_angle=crease, consistent_normals=False
         )

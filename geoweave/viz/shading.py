@@ -20,6 +20,7 @@ from geoweave.viz.layout import grid
 from geoweave.viz.picture import Picture
 from geoweave.viz.scales import Scale, colour_bar
 from geoweave.viz.scene import Scene
+from geoweave.viz.smoothing import at_vertices
 from geoweave.viz.views import View, view_of
 
 GAP, FOOT = 46, 160
@@ -79,9 +80,12 @@ class Shaded:
     def scene(self, scale: Scale) -> Scene:
         """Build the scene, values in the colours of a scale."""
         scene = Scene(view_of(self.view))
-        limits = (scale.low, scale.high)
-        values = _at_vertices(self.mesh, self.values) if self.smooth else self.values
-        scene.add_surface(self.mesh, values=values, limits=limits, colormap=scale.colormap)
+        values = self.values
+        if values is not None and self.smooth:
+            values = at_vertices(self.mesh, values)
+        scene.add_surface(
+            self.mesh, values=values, limits=scale.limits, log=scale.log, colormap=scale.colormap
+        )
         radius = self.mesh.bounding_radius
         for family in self.families:
             if len(family.curves):
@@ -89,17 +93,6 @@ class Shaded:
         if self.indices is not None:
             scene.add_singularities(self.mesh.vertices, self.indices, 0.022 * radius)
         return scene
-
-
-def _at_vertices(mesh: TriMesh, values: Scalars | None) -> Scalars | None:
-    """Average face values at the vertices by area, leaving out faces without one."""
-    if values is None:
-        return None
-    weights = np.where(np.isnan(values), 0.0, mesh.face_areas)
-    corners = mesh.faces.ravel()
-    total = np.bincount(corners, np.repeat(np.nan_to_num(values) * weights, 3))
-    weight = np.bincount(corners, np.repeat(weights, 3))
-    return np.where(weight > 0, total / np.where(weight > 0, weight, 1.0), np.nan)
 
 
 def deviation_panel(result: Integration, lines: Curves, view: View | str) -> Shaded:
@@ -163,7 +156,7 @@ def shaded_gallery(
     --------
     >>> sphere = gw.shapes.sphere(faces=80)
     >>> panel = viz.Shaded(sphere, sphere.barycenters[:, 2], title="height", view="sphere")
-    >>> viz.shaded_gallery([panel], viz.factor_scale(1.0), width=200).alt
+    >>> viz.shaded_gallery([panel], viz.factor_scale(0.5, 2.0), width=200).alt
     'Shaded surfaces: height'
     """
     figure = grid(

@@ -16,6 +16,7 @@ from geoweave.viz.layout import grid
 from geoweave.viz.picture import Picture
 from geoweave.viz.scales import FOOT, Scale, colour_bars, rounded_up
 from geoweave.viz.scene import Scene
+from geoweave.viz.smoothing import at_vertices
 from geoweave.viz.views import View, view_of
 
 
@@ -30,7 +31,7 @@ class Panel:
     mesh : the surface, if not that of the curves
     indices : (V,) index of the field at each vertex; a dot marks where it is not zero (warm positive, blue
         negative)
-    face_values : (F,) signed values shown on the surface, such as curl
+    face_values : (F,) signed values shown on the surface, such as curl, averaged at the vertices
     seams : (n,) edges of the mesh drawn as blue bars, such as singular lines
     view : where from, or the name of a model in `VIEWS`
     """
@@ -52,6 +53,11 @@ class Panel:
         if self.curves is None:
             raise RenderError(f"panel '{self.title}' has neither curves nor a mesh: give it one of them")
         return self.curves.mesh
+
+    @property
+    def values(self) -> Scalars | None:
+        """(V,) the values of the faces averaged at the vertices, as they are shown."""
+        return None if self.face_values is None else at_vertices(self.surface, self.face_values)
 
     @property
     def eye(self) -> View:
@@ -92,7 +98,7 @@ def curl_scale(panels: Sequence[Panel], percentile: float = 98.0) -> Scale:
     >>> scale.low == -scale.high
     True
     """
-    size = np.concatenate([np.abs(panel.face_values) for panel in panels if panel.face_values is not None])
+    size = np.concatenate([np.abs(panel.values) for panel in panels if panel.values is not None])
     high = rounded_up(float(np.percentile(size, percentile)))
     label = f"signed curl (clamped at the {percentile:g}th percentile)"
     return Scale(style.diverging(), -high, high, label)
@@ -163,7 +169,7 @@ def panel_scene(
     scene, mesh = Scene(panel.eye), panel.surface
     radius = mesh.bounding_radius
     if panel.face_values is not None and curl is not None:
-        scene.add_surface(mesh, values=panel.face_values, limit=curl.high)
+        scene.add_surface(mesh, values=panel.values, limit=curl.high)
     else:
         scene.add_surface(mesh)
     thickness = 0.11 * share * radius
