@@ -1,5 +1,9 @@
 from .anti_holomorphic_fields import anti_holomorphic_field as anti_holomorphic_field
 from .curl_correction import curl_corrected_scale as curl_corrected_scale
+from .curl_sweeps import (
+    curl_by_last_smoothness as curl_by_last_smoothness,
+    curl_by_resolution as curl_by_resolution,
+)
 from .domains import (
     area_holding as area_holding,
     ordered_domains as ordered_domains,

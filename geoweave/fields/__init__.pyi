@@ -20,6 +20,7 @@ from .face_field import (
 )
 from .geodesic import (
     INTEGRABLE_END as INTEGRABLE_END,
+    SHARPENING_END as SHARPENING_END,
     GeodesicSolve as GeodesicSolve,
     Step as Step,
     geodesic_field as geodesic_field,

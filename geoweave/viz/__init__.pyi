@@ -55,7 +55,7 @@ from .streamline_panels import (
     curvature_scale as curvature_scale,
     streamline_gallery as streamline_gallery,
 )
-from .sweep_chart import Sweep as Sweep, sweep_chart as sweep_chart
+from .sweeps import Sweep as Sweep, sweep_chart as sweep_chart
 from .tables import whole as whole
 from .views import FROM_ABOVE as FROM_ABOVE, VIEWS as VIEWS, View as View
 from .weaves import (

@@ -8,7 +8,7 @@ from pictures import near
 
 from geoweave.errors import RenderError
 from geoweave.viz import style
-from geoweave.viz.sweep_chart import Sweep, sweep_chart
+from geoweave.viz.sweeps import Sweep, sweep_chart
 
 
 def test_a_line_rises_with_its_shares_and_a_mark_stands_at_the_right() -> None:
