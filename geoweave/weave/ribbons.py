@@ -34,7 +34,8 @@ class Cutting:
     window : half-width of the hat that this curvature is averaged over, d. A kink of ``sharpest * window``
         radians is cut, on a coarse mesh as on a fine one
     shortest : pieces of level sets shorter than this are dropped, d
-    fewest : ribbons with fewer crossings than this are dropped
+    fewest : ribbons with fewer crossings than this are dropped; where none has so many, the largest number
+        below it that leaves a ribbon takes its place
     reach : how far an open end may be extended along a geodesic to a crossing, d
     tail : length of a ribbon beyond its last crossing, d. Two ribbons that cross again within this length
         along both of them count as touching
@@ -163,7 +164,14 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
     longer, spans = extended(pieces, numbers.reach * spacing)
     shallowest = min(numbers.shallowest, 120.0 / families)
     growth = Growth.of(longer, spans, crossings(longer), shallowest)
-    which, found = _held(growth, tail, numbers.fewest, shallowest)
+    # A surface with room for few ribbons may have none with so many crossings.
+    for fewest in range(numbers.fewest, 0, -1):
+        which, found = _held(growth, tail, fewest, shallowest)
+        if len(which):
+            break
+    else:
+        raise FieldError("no ribbon is left: none crosses another; ask for a larger scale")
+    numbers = replace(numbers, fewest=fewest)
     asked = Filling(families, numbers.bare, numbers.apart, numbers.fewest, shallowest, numbers.tail)
     found, along = _in_one_part(found, spacing, numbers.reach * spacing, asked)
     met = _without_touching(crossings(found), found, tail)
@@ -171,14 +179,14 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
 
 
 def _held(growth: Growth, tail: float, fewest: int, shallowest: float) -> tuple[Indices, Curves]:
-    """Grow the ends and drop ribbons with too few crossings until none is left; those that stay."""
+    """Grow the ends and drop ribbons with too few crossings, the worst first; those that stay, if any."""
     kept = np.ones(len(growth.longer), dtype=bool)
     while True:
         start, end = growth.grown(kept, tail)
         kept &= end > start
-        if not kept.any():
-            raise FieldError(f"no ribbon is left: none has {fewest} crossings; ask for a larger scale")
         which = np.flatnonzero(kept)
+        if not len(which):
+            return which, growth.longer
         found = stretches(growth.longer, which, start[which], end[which])
         met = _without_touching(crossings(found), found, tail)
         number = np.bincount(met.curves.ravel(), minlength=len(found))

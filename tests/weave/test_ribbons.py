@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from itertools import chain
 
@@ -194,6 +195,16 @@ def _two_grids(apart: float) -> Curves:
                 (first + 0.1 * k, -0.007, first + 0.1 * k, last - first + 0.033),
             ]
     return lines_on_square(*lines, mesh=shapes.square(faces=4000))
+
+
+def test_where_no_ribbon_has_four_crossings_fewer_will_do() -> None:
+    """Three lines by three: each crosses three others."""
+    lines = [(x, -0.4, x, 0.4) for x in (-0.3, 0.013, 0.3)] + [(-0.4, y, 0.4, y) for y in (-0.3, 0.013, 0.3)]
+    found = ribbons(lines_on_square(*lines, mesh=shapes.square(faces=4000)), 2, replace(LOOSE, fewest=4))
+    assert np.bincount(found.crossings.curves.ravel()).tolist() == [3] * 6
+    assert found.cutting.fewest == 3
+    with pytest.raises(FieldError, match="none crosses another"):
+        ribbons(lines_on_square(*lines[:3], mesh=shapes.square(faces=4000)), 2, LOOSE)
 
 
 def test_what_cannot_be_is_refused() -> None:
