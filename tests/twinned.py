@@ -34,7 +34,8 @@ class Woven(NamedTuple):
 @cache
 def woven(name: str) -> Woven:
     mesh, ribbons = SHAPES[name]
-    weave = weave_pattern(mesh(), ribbons=ribbons).sized(200.0)
+    phase = "free" if name == "torus" else None
+    weave = weave_pattern(mesh(), ribbons=ribbons, phase=phase).sized(200.0)
     return Woven(weave.document(), relaxed_weave(weave).document(), weave.mesh.genus)
 
 

@@ -324,7 +324,7 @@ def _parsed_rod(words: Words, version: int, name: str) -> tuple[Rod | None, int]
     angles = words.numbers(count, f"the angles of {name}") if version >= 1 else None
     widths = words.numbers(count, f"the widths of {name}")
     colors = words.numbers(count, f"the segment colours of {name}") if version >= 2 else np.zeros(count)
-    if (colors != np.floor(colors)).any():
+    if (colors != np.floor(colors)).any() or (np.abs(colors) > 2.0**53).any():
         raise RodError("its segment colours are not whole numbers; correct them")
     if vertices < (3 if closed else 2):
         return None, 0

@@ -31,7 +31,7 @@ def woven(name: str) -> Weave:
         "sphere": lambda: shapes.sphere(1280),
         "torus": lambda: shapes.torus(faces=2000),
     }[name]()
-    return weave_pattern(mesh, ribbons=CLOSED.get(name, 9))
+    return weave_pattern(mesh, ribbons=CLOSED.get(name, 9), phase="free" if name == "torus" else None)
 
 
 @cache

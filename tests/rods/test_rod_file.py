@@ -186,7 +186,7 @@ def test_hostile_files(tmp_path):
     refused(with_line(9, "1000000"), "rod 0 need 3000000")
     refused(with_line(10, "2"), "line 10", "closed flag of rod 0")
     refused(with_word(13, 4, "nan"), "line 13", "'nan'", "vertices of rod 0")
-    refused(with_word(13, 4, "1e999"), "line 9", "rod 0: vertex 1 is not finite")
+    refused(with_word(13, 4, "1e999"), "line 13", "1e999 among the vertices of rod 0 is beyond 1e+50")
     refused(with_word(13, 4, "0x10"), "line 13", "'0x10'")
     refused(with_word(13, 4, "1_0"), "line 13", "'1_0'")
     # directors that have no direction square to their segment

@@ -84,7 +84,7 @@ def test_cells_of_a_closed_surface_obey_eulers_formula() -> None:
     ways = sum(len(weave.passages.relations.first) for _ in range(2))
     crossings = len(weave.ribbons.crossings)
     assert len(cells.corners) == ways / 2 - crossings  # chi = 0: V - E + F = 0
-    assert cells.corners.mean() == pytest.approx(4.0, abs=0.2)
+    assert cells.corners.mean() == pytest.approx(4.0, abs=0.3)
 
 
 def test_the_report_says_how_regular_the_weave_is() -> None:
