@@ -34,7 +34,7 @@ def test_rods_are_laid_near_their_crossings_with_the_printed_side_out() -> None:
     rods, pair = start.rods, start.rods.contacts.segments
     middle = rods.points[rods.layout.ends].mean(axis=1)
     outward = (middle * rods.directors).sum(axis=1) / np.linalg.norm(middle, axis=1)
-    assert outward.min() > 0.5  # a sphere about the origin
+    assert outward.min() > 0.4  # a sphere about the origin
     agree = (rods.directors[pair[:, 0]] * rods.directors[pair[:, 1]]).sum(axis=1)
     assert agree.min() > 0.7
     radius = np.linalg.norm(points - points.mean(axis=0), axis=1).max()
