@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-SPARSE = "a sparse torus: ends that grow leave crossings so near each other that strips contradict themselves"
-    "a sparse torus: the ends that grow leave crossings so near each other that strips contradict themselves"
-)
+SPARSE = "a sparse torus: ends that grow leave crossings so near that strips contradict themselves"
 SPHERE = "a sphere of few ribbons comes back within 1.02 % of its diagonal, not within 1 %"
 TURNED = "one of the contacts turns over while sliding, where two ends hold only each other"
 
