@@ -22,7 +22,7 @@ SPACING = 0.2
 
 @cache
 def made() -> Weave:
-    return weave_pattern(shapes.torus(faces=1500), scale=0.6, phase="free")
+    return weave_pattern(shapes.torus(faces=1500), scale=0.6)
 
 
 @cache

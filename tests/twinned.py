@@ -19,7 +19,7 @@ SHAPES = {
     "cone": (lambda: shapes.cone(faces=1500), 12),
     "sphere": (lambda: shapes.sphere(600), 10),
     "saddle": (lambda: shapes.saddle(faces=1500), 20),
-    "torus": (lambda: shapes.torus(faces=1500), 12),
+    "torus": (lambda: shapes.torus(faces=1500), 20),
 }
 
 
@@ -34,8 +34,7 @@ class Woven(NamedTuple):
 @cache
 def woven(name: str) -> Woven:
     mesh, ribbons = SHAPES[name]
-    phase = "free" if name == "torus" else None
-    weave = weave_pattern(mesh(), ribbons=ribbons, phase=phase).sized(200.0)
+    weave = weave_pattern(mesh(), ribbons=ribbons).sized(200.0)
     return Woven(weave.document(), relaxed_weave(weave).document(), weave.mesh.genus)
 
 

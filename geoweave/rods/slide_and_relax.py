@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from geoweave.arrays import Flags, Scalars
+from geoweave.arrays import Flags, Indices, Scalars
 from geoweave.errors import RodError
 from geoweave.rods import hessian
 from geoweave.rods.contact_energies import ORIENTATION, contact_orientation, contact_position, contact_side
@@ -157,14 +157,16 @@ class _Sliding:
         callback: Callable[[Step], None] | None,
     ) -> None:
         self.surface, self.tree = surface, triangle_tree(surface.vertices[surface.faces])
-        self.elastic, self.springs, self.held = elastic_terms(rods.layout), springs, held
+        self.elastic, self.springs, self.held = elastic_terms(rods.layout), springs, held.copy()
         self.order, self.sides = gaps_of(rods), crossing_sines(rods) >= 0
         self.callback = callback
 
     def round(self, start: Rods, stepping: Stepping, holding: Flags) -> tuple[Equilibrium, Flags]:
         """Slide once; repeat it, holding the contacts that lost their order, until none does.
 
-        Every repetition holds more contacts, and contacts that hold keep their order, so this ends.
+        A contact that holds keeps its places, but at a free end its segments may still turn until their angle
+        has the other sign. Then their vertices do not move any more. Every repetition holds more contacts or
+        more vertices, so this ends.
         """
         anchors, faces = closest_points(self.tree, start.points)
         normals, stiff = self.surface.face_normals[faces], self.springs
@@ -183,18 +185,25 @@ class _Sliding:
             )
             steps.extend(found.steps)
             rods = replace(found.rods, contacts=replaced_contacts(found.rods, holding))
-            lost = self.lost(rods) & ~holding
-            if not lost.any():
+            over = self.turned(rods)
+            lost = (self.tight(rods) | over) & ~holding
+            still = _unknowns(start, start.contacts.segments[over & holding].ravel())
+            if not lost.any() and self.held[still].all():
                 return replace(found, rods=rods, steps=tuple(steps)), holding
+            self.held[still] = True
             holding = holding | lost
 
-    def lost(self, rods: Rods) -> Flags:
-        """(C,) contacts that came too near to a neighbour, passed it, or changed the sign of their angle."""
+    def tight(self, rods: Rods) -> Flags:
+        """(C,) contacts that came too near to a neighbour or passed it."""
         order = self.order
         tight = order.moved(positions(rods)) < ROOM * order.lengths
-        flags = (crossing_sines(self.laid(rods)) >= 0) != self.sides
+        flags = np.zeros(len(rods.contacts), dtype=bool)
         flags[order.before[tight] // 2] = flags[order.after[tight] // 2] = True
-        return np.asarray(flags)
+        return flags
+
+    def turned(self, rods: Rods) -> Flags:
+        """(C,) contacts whose angle has another sign than in the design."""
+        return np.asarray((crossing_sines(self.laid(rods)) >= 0) != self.sides)
 
     def laid(self, rods: Rods) -> Rods:
         """Turn thickness directions to the surface's normals below their segments."""
@@ -309,6 +318,11 @@ def vertex_masses(rods: Rods) -> Scalars:
     return np.bincount(
         rods.layout.ends.ravel(), np.repeat(0.5 * mass, 2), minlength=rods.layout.vertices
     ).astype(np.float64)
+
+
+def _unknowns(rods: Rods, segments: Indices) -> Indices:
+    """Coordinates of both vertices of segments, among the unknowns of `_held`."""
+    return np.asarray((3 * rods.layout.ends[segments].reshape(-1, 1) + np.arange(3)).ravel())
 
 
 def _held(rods: Rods, fixed: ArrayLike | None) -> Flags:

@@ -18,7 +18,7 @@ from geoweave.rods.steps import Problem
 from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave
 from geoweave.weave.design import Weave, weave_pattern
 
-CLOSED = {"bumpy box": 15, "icosahedron": 15, "sphere": 12, "torus": 12}
+CLOSED = {"bumpy box": 15, "icosahedron": 15, "sphere": 12, "torus": 20}
 """Models and about how many ribbons they get."""
 
 
@@ -31,7 +31,7 @@ def woven(name: str) -> Weave:
         "sphere": lambda: shapes.sphere(1280),
         "torus": lambda: shapes.torus(faces=2000),
     }[name]()
-    return weave_pattern(mesh, ribbons=CLOSED.get(name, 9), phase="free" if name == "torus" else None)
+    return weave_pattern(mesh, ribbons=CLOSED.get(name, 9))
 
 
 @cache

@@ -14,7 +14,7 @@ from geoweave.weave.design import weave_pattern
 
 @cache
 def slid():
-    return slide(elastic_rods(weave_pattern(shapes.torus(faces=1500), ribbons=12, phase="free")))
+    return slide(elastic_rods(weave_pattern(shapes.torus(faces=1500), ribbons=20)))
 
 
 @cache
