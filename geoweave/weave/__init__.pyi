@@ -22,9 +22,8 @@ from .singularity_search import Stage as Stage, searched as searched
 from .steering import (
     Singularity as Singularity,
     Steering as Steering,
-    read_guide as read_guide,
-    read_singularities as read_singularities,
 )
+from .steering_files import read_guide as read_guide, read_singularities as read_singularities
 from .validity import violations as violations
 from .weave import (
     WEAVE_FORMAT as WEAVE_FORMAT,

@@ -7,7 +7,6 @@ that a weave could not tell apart are merged (DEVIATIONS.md, merged-pairs).
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeAlias
 
@@ -36,8 +35,6 @@ __all__ = [
     "Steering",
     "expected_spacing",
     "guide_of",
-    "read_guide",
-    "read_singularities",
     "snapped",
     "steered_rosy",
     "steering_for",
@@ -106,84 +103,6 @@ class Steering:
             )
 
 
-def read_singularities(path: str | os.PathLike[str]) -> tuple[Singularity, ...]:
-    """Read prescribed singularities from a file of text.
-
-    One line each: three coordinates and the index, a whole number of N-ths of a turn, separated by blanks or
-    commas. Empty lines, what follows a ``#``, and a first line of names (``x,y,z,index``) are passed over.
-
-    Raises
-    ------
-    FieldError
-        If the file cannot be read, or a line is none; the text names the file and the line.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> from geoweave.weave import read_singularities
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = Path(f"{folder}/poles.csv").write_text("x,y,z,index\\n0,0,1,6\\n0,0,-1,6\\n")
-    ...     [each.numerator for each in read_singularities(f"{folder}/poles.csv")]
-    [6, 6]
-    """
-    name = os.fspath(path)
-    found: list[Singularity] = []
-    for number, words in lines_of(name):
-        place = f"{name}: line {number}"
-        if len(words) != 4:
-            raise FieldError(f"{place} has {len(words)} numbers, not the four of a singularity: x y z index")
-        if not found and all(word.isalpha() for word in words):
-            continue
-        point, index = numbers_of(words, place), words[3]
-        if point[3] != round(point[3]):
-            raise FieldError(
-                f"{place}: the index is {index}; give a whole number of N-ths (sixths) of a turn"
-            )
-        found.append(Singularity((point[0], point[1], point[2]), round(point[3])))
-    if not found:
-        raise FieldError(f"{name} holds no singularity; give a line x y z index for each")
-    return tuple(found)
-
-
-def read_guide(path: str | os.PathLike[str]) -> tuple[Point, ...]:
-    """Read what one family is to follow from a file of text.
-
-    One line of three coordinates is a direction, several are the corners of a curve on the surface or near
-    it, in the coordinates of the mesh file. The rest of the form is that of `read_singularities`.
-
-    Raises
-    ------
-    FieldError
-        If the file cannot be read, or a line is none; the text names the file and the line.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from pathlib import Path
-    >>> from geoweave.weave import read_guide
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = Path(f"{folder}/up.txt").write_text("0 0 1  # a direction\\n")
-    ...     read_guide(f"{folder}/up.txt")
-    ((0.0, 0.0, 1.0),)
-    """
-    name = os.fspath(path)
-    found: list[Point] = []
-    for number, words in lines_of(name):
-        place = f"{name}: line {number}"
-        if len(words) != 3:
-            raise FieldError(f"{place} has {len(words)} numbers, not the three of a point: x y z")
-        if not found and all(word.isalpha() for word in words):
-            continue
-        x, y, z = numbers_of(words, place)
-        found.append((x, y, z))
-    if not found:
-        raise FieldError(f"{name} holds no point; give one line x y z for a direction, several for a curve")
-    if not np.any(found if len(found) == 1 else np.diff(found, axis=0)):
-        raise FieldError(f"{name}: what a family is to follow has no length; give points that are apart")
-    return tuple(found)
-
-
 def guide_of(mesh: TriMesh, placement: Similarity, symmetry: int, steering: Steering) -> Guide | None:
     """What is to be followed, on the surface where a placement has put it.
 
@@ -207,33 +126,6 @@ def guide_of(mesh: TriMesh, placement: Similarity, symmetry: int, steering: Stee
             "; give points in the coordinates of the mesh file"
         )
     return along_curve(mesh, symmetry, there)
-
-
-def lines_of(name: str) -> list[tuple[int, list[str]]]:
-    """Number and words of each line of a file of text that is not empty, comments left out."""
-    try:
-        with open(name, encoding="utf-8-sig") as file:
-            lines = file.read().splitlines()
-    except OSError as error:
-        raise FieldError(f"{name} cannot be read: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        raise FieldError(f"{name} is no file of text; give one line of numbers for each point") from error
-    words = ((number, line.split("#")[0].replace(",", " ").split()) for number, line in enumerate(lines, 1))
-    return [(number, each) for number, each in words if each]
-
-
-def numbers_of(words: list[str], place: str) -> list[float]:
-    """The words of a line as finite numbers."""
-    found = []
-    for word in words:
-        try:
-            value = float(word)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise FieldError(f"{place}: '{word}' is not a finite number")
-        found.append(value)
-    return found
 
 
 def snapped(mesh: TriMesh, placement: Similarity, singularities: tuple[Singularity, ...]) -> Indices:
