@@ -14,7 +14,7 @@ from typing import Any
 from geoweave.errors import FieldError
 from geoweave.fabrication.assembly_order import Step, assembly
 from geoweave.fabrication.bench import Bench, media_of
-from geoweave.fabrication.bending import bent
+from geoweave.fabrication.bent_drawings import bent
 from geoweave.fabrication.bill import Bill, bill_of
 from geoweave.fabrication.crossing_order import order_sentence
 from geoweave.fabrication.cut_list import cut_list

@@ -5,7 +5,6 @@ from .alignment import (
     along_curve as along_curve,
     along_direction as along_direction,
 )
-from .bending import bending_directions as bending_directions, bending_power as bending_power
 from .closed_projection import ClosedProjection as ClosedProjection, ordering_of as ordering_of
 from .connected_rosy import ConnectedRoSy as ConnectedRoSy
 from .face_field import (
@@ -33,6 +32,7 @@ from .index_pairs import (
     merged_pairs as merged_pairs,
     moved as moved,
 )
+from .least_bending import bending_directions as bending_directions, bending_power as bending_power
 from .operators import (
     ClosedFields as ClosedFields,
     as_complex as as_complex,

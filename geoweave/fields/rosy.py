@@ -16,8 +16,8 @@ from scipy import sparse
 
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, frozen
 from geoweave.errors import FieldError
-from geoweave.fields.bending import bending_power
 from geoweave.fields.face_field import FaceField, edge_curl, random_field, unit
+from geoweave.fields.least_bending import bending_power
 from geoweave.fields.operators import connection_laplacian, spectral_shift
 from geoweave.fields.singularities import windings
 from geoweave.sparse import factorized, nested_dissection, one_blas_thread, smallest_eigenpair

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.bending import bent
+from geoweave.fabrication.bent_drawings import bent
 from geoweave.fabrication.flattening import pattern_of
 from geoweave.fabrication.nesting import Stock
 from geoweave.fabrication.pattern import Pattern

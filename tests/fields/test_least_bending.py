@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave.fields.bending import bending_directions, bending_power
+from geoweave.fields.least_bending import bending_directions, bending_power
 from geoweave.fields.rosy import smoothest_rosy
 from geoweave.models import catalogue, shapes
 from geoweave.surface.mesh import TriMesh
