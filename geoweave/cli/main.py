@@ -32,6 +32,7 @@ COMMANDS = {
     "foliate": "field_commands",
     "info": "info_command",
     "relax": "relax_command",
+    "show": "show_command",
     "sweep": "sweep_command",
     "twin": "twin_command",
     "weave": "weave_command",

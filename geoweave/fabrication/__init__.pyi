@@ -32,3 +32,4 @@ from .sheet_sizes import PAPERS as PAPERS, Paper as Paper, stock_of as stock_of
 from .strip_drawing import drawn as drawn
 from .strip_layout import StripLayout as StripLayout, layout as layout
 from .svg import read_svg as read_svg
+from .viewer_page import viewer_html as viewer_html

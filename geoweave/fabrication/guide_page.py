@@ -7,26 +7,23 @@ thing to do at a time, in the order of `assembly_order`; it remembers where the 
 from __future__ import annotations
 
 import hashlib
-import html
 import json
 from collections.abc import Mapping
 from typing import Any
 
-from geoweave.checkout import PACKAGE
-from geoweave.errors import FieldError
 from geoweave.fabrication.assembly_order import Step, assembly
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.fabrication.guide_payload import drawings, shape
-from geoweave.fabrication.guide_threejs import three_js
 from geoweave.fabrication.marks import MARKS, outline
+from geoweave.fabrication.page import page_of
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making
 
 __all__ = ["guide_content", "guide_html"]
 
-PARTS = ("guide.html", "guide.css", "guide_steps.js", "guide_strip.js", "guide_space.js", "guide.js")
-"""What the page is put together from; the files lie beside this module."""
+SCRIPTS = ("guide_steps.js", "space.js", "guide_strip.js", "guide_space.js", "guide.js")
+"""What drives the page."""
 
 SPOKEN = {"half": "half disc"}
 """Marks whose names say too little in a sentence."""
@@ -71,27 +68,7 @@ def guide_html(
         order or assembly(pattern),
         found,
     )
-    library = three_js()
-    page, *rest = ((PACKAGE / "fabrication" / name).read_text(encoding="utf-8") for name in PARTS)
-    style, scripts = rest[0], rest[1:]
-    # "</" would end the element that holds it.
-    data = json.dumps(content, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
-    parts = {
-        "TITLE": html.escape(title),
-        "LICENCE": f"three.js r{library.release}\n\n{library.licence}",
-        "STYLE": style,
-        "CONTENT": data,
-        "LIBRARY": library.source,
-        "SCRIPT": "\n".join(scripts),
-    }
-    text = ""
-    for name, value in parts.items():
-        # What has been put in is not looked through for the next place.
-        before, mark, page = page.partition(f"@{name}@")
-        if not mark:
-            raise FieldError(f"guide.html: its template has no place for {name}; install geoweave anew")
-        text += before + value
-    return text + page
+    return page_of(title, "guide.html", "guide.css", SCRIPTS, content)
 
 
 def guide_content(

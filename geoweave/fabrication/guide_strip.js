@@ -3,12 +3,6 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 
-function bytesOf(text) {
-  const raw = atob(text), bytes = new Uint8Array(raw.length);
-  for (let k = 0; k < raw.length; k++) bytes[k] = raw.charCodeAt(k);
-  return bytes;
-}
-
 function svg(kind, attributes, parent) {
   const element = document.createElementNS(SVG, kind);
   for (const key in attributes) element.setAttribute(key, attributes[key]);

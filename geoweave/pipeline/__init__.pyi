@@ -10,6 +10,7 @@ from .field_arrays import (
 from .pattern_twin import TwinOfFile as TwinOfFile, twin_file as twin_file
 from .relaxed_file import RestOfFile as RestOfFile, relax_file as relax_file
 from .request import WeaveRequest as WeaveRequest, formats_of as formats_of
+from .showing import Shown as Shown, show_folder as show_folder
 from .source import MeshSource as MeshSource, Say as Say, prepared_surface as prepared_surface
 from .sweep_table import TABLES as TABLES, Row as Row
 from .verdict import DO_NOT as DO_NOT, HOLDS as HOLDS, Verdict as Verdict
