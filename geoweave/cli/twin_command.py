@@ -53,14 +53,18 @@ def sentence(made: TwinOfFile) -> str:
         net = made.twin.surface
         return (
             f"Do not cut these strips: they close into a surface of genus {net.genus} with "
-            f"{_count(net.openings, 'opening')}, and the design has genus {made.genus_designed} with "
-            f"{_count(made.openings_designed or 0, 'opening')}. Weave it again with fewer ribbons or more "
+            f"{_openings(net.openings)}, and the design has genus {made.genus_designed} with "
+            f"{_openings(made.openings_designed)}. Weave it again with fewer ribbons or more "
             "--faces."
         )
     if not target.comes_back:
         return f"The object does not come back: its crossings are {far} from those of {name} ({where})."
     end = f" Check {contradiction_sentence(pattern, doubts[0])}." if doubts else ""
     return f"The object comes back: its crossings are {far} from those of {name} ({where}).{end}"
+
+
+def _openings(number: int | None) -> str:
+    return "openings that are not said" if number is None else _count(number, "opening")
 
 
 def _count(number: int, what: str) -> str:
@@ -71,9 +75,9 @@ def _rows(made: TwinOfFile) -> list[tuple[str, str]]:
     """What the table for people says."""
     result = made.document()
     net, doubts = result["topology"], result["topology"]["contradictions"]
-    closed = f"they close into a surface of genus {net['genus']} with {_count(net['openings'], 'opening')}"
+    closed = f"they close into a surface of genus {net['genus']} with {_openings(net['openings'])}"
     if made.genus_designed is not None:
-        design = f"genus {made.genus_designed} with {_count(made.openings_designed or 0, 'opening')}"
+        design = f"genus {made.genus_designed} with {_openings(made.openings_designed)}"
         closed += ", as designed" if made.closes_as_designed else f"; the design has {design}"
     strain, bow = result["strain"], result["bow"]
     rows = [

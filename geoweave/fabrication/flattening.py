@@ -16,7 +16,7 @@ from geoweave.arrays import Vectors, parallel_transport
 from geoweave.errors import FieldError
 from geoweave.fabrication.crossing_order import reordered_crossings
 from geoweave.fabrication.marks import assigned
-from geoweave.fabrication.pattern import Pattern, Strip
+from geoweave.fabrication.pattern import Pattern, Strip, openings_said
 from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, FlatCurve
 
 __all__ = ["FREE_END", "WeaveLike", "bow_and_turning", "free_end", "pattern_of", "trimmed", "weave_document"]
@@ -213,9 +213,8 @@ def _flattened(document: Mapping[str, Any], ends: Sequence[tuple[float, float]])
         length = float(each["length"])
         curve = FlatCurve(knots, length, closed) if knots else None
         bow, turning = bow_and_turning(points, normals, closed, curve)
-        strips.append(
-            Strip(str(each["label"]), int(each["family"]), closed, length, bow, turning, cut, knots)
-        )
+        label, family, ends_at = str(each["label"]), int(each["family"]), openings_said(each)
+        strips.append(Strip(label, family, closed, length, bow, turning, cut, knots, ends_at))
         ahead = np.diff(points, axis=0, append=points[:1] if closed else points[-1:])
         steps = np.linalg.norm(ahead, axis=1)
         if not closed:

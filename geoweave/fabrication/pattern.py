@@ -23,7 +23,7 @@ from geoweave.fabrication.crossing_order import Reordered
 from geoweave.fabrication.marks import MARKS
 from geoweave.weave import FlatCurve, check_curvature
 
-__all__ = ["FORMAT", "VERSION", "Passage", "Pattern", "Strip"]
+__all__ = ["FORMAT", "VERSION", "Passage", "Pattern", "Strip", "openings_said"]
 
 FORMAT, VERSION = "geoweave-pattern", 1
 """What the first lines of ``pattern.json`` say."""
@@ -34,7 +34,10 @@ SHAPE = documents.entries(
     thickness=documents.number(above=0),
     strips=documents.each(
         documents.entries(
-            {"curvature": documents.each(documents.each(documents.number(), 2))},
+            {
+                "curvature": documents.each(documents.each(documents.number(), 2)),
+                "openings": documents.each(documents.whole(-1), 2),
+            },
             label=documents.text(),
             family=documents.whole(most=1_000_000),
             closed=documents.flag(),
@@ -77,6 +80,9 @@ class Strip(NamedTuple):
     curvature: tuple[tuple[float, float], ...] = ()
     """Places along it, mm, and the curvature with which it is cut there, 1/mm, left is positive; linear in
     between. Nothing for a straight strip."""
+    openings: tuple[int, int] | None = None
+    """Opening of the object, from 0, at which its first and its last end lie, -1 for an end elsewhere; None
+    if it is not said, as in files of earlier versions."""
 
     @property
     def curve(self) -> FlatCurve | None:
@@ -224,6 +230,7 @@ class Pattern:
                     "turning_deg": round(strip.turning, 4),
                     "trimmed": [round(each, 4) for each in strip.trimmed],
                     **({"curvature": _rounded(strip.curvature)} if strip.curvature else {}),
+                    **({} if strip.openings is None else {"openings": list(strip.openings)}),
                     "crossings": [
                         {
                             "crossing": each.crossing,
@@ -277,6 +284,7 @@ class Pattern:
                     float(each["turning_deg"]),
                     _two(each.get("trimmed", (0.0, 0.0))),
                     tuple(_two(pair) for pair in each.get("curvature", ())),
+                    openings_said(each),
                 )
                 for each in document["strips"]
             )
@@ -299,6 +307,14 @@ class Pattern:
 def _rounded(knots: Sequence[tuple[float, float]]) -> list[list[float]]:
     """Places to a tenth of a micrometre, curvatures to what turns a metre by a micrometre."""
     return [[round(at, 4), round(bend, 9)] for at, bend in knots]
+
+
+def openings_said(strip: Mapping[str, Any]) -> tuple[int, int] | None:
+    """Openings at which the ends of a strip, or of a ribbon, lie, if its file says so."""
+    if "openings" not in strip:
+        return None
+    one, other = strip["openings"]
+    return int(one), int(other)
 
 
 def _two(values: Sequence[float]) -> tuple[float, float]:

@@ -88,7 +88,7 @@ def _judged(
 ) -> Verdict:
     """Put the strips together in simulation, exactly as they are written, and judge what comes of them."""
     from geoweave.fabrication import Pattern
-    from geoweave.twin import surface_of
+    from geoweave.twin import openings_of, surface_of
 
     written = Pattern.from_document(json.loads(json.dumps(strips.pattern.document())))
     parts = weave.mesh.n_components
@@ -104,7 +104,7 @@ def _judged(
         # Without what the message advises for a file: a verdict names what was tried here.
         return verdict_of(inspection, strips, relaxed, (str(error).partition("; ")[0],))
     target = next(iter(likeness.values()))
-    openings = surface_of(strips.designed).openings
+    openings = openings_of(strips.designed)
     broken = rebuilt_reasons(twin, target, weave.mesh.genus, openings)
     return verdict_of(inspection, strips, relaxed, broken)
 

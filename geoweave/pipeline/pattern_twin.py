@@ -13,7 +13,7 @@ from geoweave.documents import read_json
 from geoweave.errors import FieldError
 from geoweave.files import checked_folder
 from geoweave.pipeline.source import Say, about, silent, timed
-from geoweave.pipeline.verdict import rebuilt_reasons
+from geoweave.pipeline.verdict import rebuilt_reasons, surface_reasons
 from geoweave.pipeline.weave_folder import (
     earlier_report,
     listed_files,
@@ -45,7 +45,7 @@ class TwinOfFile:
     genus_designed: int | None
     """Of the surface that the weave was designed on; None if no design lies beside the pattern."""
     openings_designed: int | None
-    """Of the net of the weave as designed; None if no design lies beside the pattern."""
+    """At which ribbons of the design end; None if no design lies beside the pattern, or it does not say."""
     seconds: dict[str, float]
     files: dict[str, Path]
 
@@ -53,7 +53,7 @@ class TwinOfFile:
     def closes_as_designed(self) -> bool:
         """Whether the strips have the genus and openings of the design; true if there is none."""
         net = self.twin.surface
-        return self.genus_designed in (None, net.genus) and self.openings_designed in (None, net.openings)
+        return not surface_reasons(net, self.genus_designed, self.openings_designed)
 
     @property
     def reasons(self) -> tuple[str, ...]:
@@ -137,13 +137,13 @@ def twin_file(
 
 
 def _designed(weave: Mapping[str, Any] | None) -> tuple[int | None, int | None]:
-    """Genus of the surface of a design, and openings of its net, which are counted as those of the strips."""
+    """Genus of the surface of a design, and number of its openings at which ribbons end."""
     from geoweave.fabrication import pattern_of
-    from geoweave.twin import surface_of
+    from geoweave.twin import openings_of
 
     if weave is None:
         return None, None
-    return weave["surface"]["genus"], surface_of(pattern_of(weave)).openings
+    return weave["surface"]["genus"], openings_of(pattern_of(weave))
 
 
 def _wanted(path: Path) -> list[str]:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from geoweave.pipeline.strips import CutStrips
     from geoweave.rods import Relaxed
-    from geoweave.twin import Likeness, Twin
+    from geoweave.twin import Likeness, PatternSurface, Twin
     from geoweave.weave import Inspection
 
-__all__ = ["BUT", "DO_NOT", "HOLDS", "MAKE", "Verdict", "rebuilt_reasons", "verdict_of"]
+__all__ = ["BUT", "DO_NOT", "HOLDS", "MAKE", "Verdict", "rebuilt_reasons", "surface_reasons", "verdict_of"]
 
 MAKE, BUT, DO_NOT = "make it", "make it, but", "do not cut this"
 """The words of a verdict."""
@@ -78,13 +78,7 @@ def rebuilt_reasons(
     target : its comparison with the weave, if there is one
     genus, openings : of the surface that the weave was designed on; None if they are not known
     """
-    found = []
-    for what, wanted, is_there in (
-        ("holes through it", genus, twin.surface.genus),
-        ("openings", openings, twin.surface.openings),
-    ):
-        if wanted is not None and wanted != is_there:
-            found.append(f"put together, the strips make a surface with {is_there} {what}, not {wanted}")
+    found = list(surface_reasons(twin.surface, genus, openings))
     if target is not None and not target.comes_back:
         one, other = (twin.pattern.strips[r].label for r in twin.pattern.ribbons[target.worst])
         off = target.crossings.largest
@@ -93,6 +87,24 @@ def rebuilt_reasons(
             f"{off * target.diagonal:.3g} mm from its place, {off:.1%} of the diagonal"
         )
     return tuple(found)
+
+
+def surface_reasons(surface: PatternSurface, genus: int | None, openings: int | None) -> tuple[str, ...]:
+    """Why the strips close into another surface than the design's; nothing if they do not.
+
+    Parameters
+    ----------
+    surface : of the strips
+    genus, openings : of the surface that the weave was designed on; None if they are not known
+    """
+    return tuple(
+        f"put together, the strips make a surface with {is_there} {what}, not {wanted}"
+        for what, wanted, is_there in (
+            ("holes through it", genus, surface.genus),
+            ("openings", openings, surface.openings),
+        )
+        if wanted is not None and is_there not in (None, wanted)
+    )
 
 
 def verdict_of(

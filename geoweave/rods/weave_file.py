@@ -44,7 +44,10 @@ WEAVE = documents.entries(
     surface=documents.entries(genus=documents.whole(), boundary_loops=documents.whole()),
     ribbons=documents.each(
         documents.entries(
-            {"curvature": documents.each(documents.each(documents.number(), 2))},
+            {
+                "curvature": documents.each(documents.each(documents.number(), 2)),
+                "openings": documents.each(documents.whole(-1), 2),
+            },
             label=documents.text(),
             family=documents.whole(),
             closed=documents.flag(),

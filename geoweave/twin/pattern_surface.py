@@ -10,6 +10,9 @@ Conventions
 Dart ``4 x + 2 s + b`` leaves crossing x along its strip s, towards the end of the strip (b = 0) or towards
 its start (b = 1). A stretch between two neighbouring crossings has two darts. A tail is what is left of a
 strip beyond its last crossing; it bounds no face.
+
+A face is an opening if the end of a strip lies in it that the pattern says to lie at an opening. On a surface
+whose boundary no ribbon closes off, all ends at one opening lie in one face, and no other opening's do.
 """
 
 from __future__ import annotations
@@ -26,13 +29,10 @@ from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.errors import FieldError
 from geoweave.fabrication import Pattern
 
-__all__ = ["Chords", "PatternSurface", "next_present", "rings", "surface_of"]
+__all__ = ["Chords", "PatternSurface", "next_present", "openings_of", "rings", "surface_of"]
 
 LAID_FLAT = 12
 """Faces of up to so many corners are laid flat to find how far apart their corners are."""
-
-OPENING = 10
-"""From so many corners on, a face into which half as many strips end is called an opening."""
 
 
 class Chords(NamedTuple):
@@ -100,33 +100,47 @@ class PatternSurface:
         return frozen(np.column_stack([forward, self.partner[forward]]))
 
     @cached_property
-    def tails(self) -> tuple[int, ...]:
-        """Number of strips that end in each face."""
-        own = np.bincount(np.flatnonzero(self.partner < 0) // 4, minlength=len(self.pattern.ribbons))
+    def left(self) -> Indices:
+        """(4 C,) face to the left of each dart, and that in which a tail ends; -1 at a crossing of tails."""
+        face = np.full(len(self.partner), -1, dtype=np.int64)
+        for number, walk in enumerate(self.faces):
+            face[walk] = number
         ring = rings(self.pattern.angle)
-        rank = np.empty(ring.size, dtype=np.int64)
-        rank[ring.ravel()] = np.arange(ring.size) % 4
-        counts = []
-        for walk in self.faces:
-            arriving = self.partner[walk]
-            leaving = self.clockwise[arriving]
-            between = (rank[arriving] - rank[leaving] - 1) % 4
-            counts.append(int(between[own[arriving // 4] > 0].sum()))
-        return tuple(counts)
+        found = face[ring]
+        # The face of a tail is that to the left of the next stretch to its right.
+        for _ in range(3):
+            found = np.where(found >= 0, found, np.roll(found, 1, axis=1))
+        face[ring] = found
+        return frozen(face)
 
     @cached_property
-    def meshes(self) -> tuple[Indices, ...]:
-        """Faces that are no openings. An opening has many corners, and many strips end in it."""
-        return tuple(
-            walk
-            for walk, ends in zip(self.faces, self.tails, strict=True)
-            if len(walk) < OPENING or 2 * ends < len(walk)
-        )
+    def tails(self) -> tuple[int, ...]:
+        """Number of strips that end in each face."""
+        face = self.left[self.partner < 0]
+        return tuple(np.bincount(face[face >= 0], minlength=len(self.faces)).tolist())
+
+    @cached_property
+    def opening_faces(self) -> frozenset[int]:
+        """Faces in which a strip ends that the pattern says to end at an opening."""
+        found = set()
+        for strip, met in zip(self.pattern.strips, self.pattern.passages, strict=True):
+            if not met or strip.closed or strip.openings is None:
+                continue
+            tails = (4 * met[0].crossing + 2 * met[0].side + 1, 4 * met[-1].crossing + 2 * met[-1].side)
+            for dart, opening in zip(tails, strip.openings, strict=True):
+                if opening >= 0 and self.left[dart] >= 0:
+                    found.add(int(self.left[dart]))
+        return frozenset(found)
 
     @property
-    def openings(self) -> int:
-        """Number of faces that are openings."""
-        return len(self.faces) - len(self.meshes)
+    def meshes(self) -> tuple[Indices, ...]:
+        """Faces that are no openings."""
+        return tuple(walk for number, walk in enumerate(self.faces) if number not in self.opening_faces)
+
+    @property
+    def openings(self) -> int | None:
+        """Number of faces that are openings; None if the pattern does not say which strips end at one."""
+        return None if openings_of(self.pattern) is None else len(self.opening_faces)
 
     @cached_property
     def pieces(self) -> tuple[tuple[int, ...], ...]:
@@ -212,6 +226,22 @@ def surface_of(pattern: Pattern) -> PatternSurface:
             round_trip = strip.length if number + 1 == len(met) else 0.0
             stretch[[out, into]] = there.at - here.at + round_trip
     return PatternSurface(pattern, frozen(partner), frozen(stretch))
+
+
+def openings_of(pattern: Pattern) -> int | None:
+    """How many openings with ends of strips an object has, by what its strips say; None if they do not say.
+
+    The surface that the strips close into has as many (`PatternSurface.openings`) unless a crossing is
+    wrong, or no strip passes between two openings.
+
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=800), ribbons=10).sized(200.0)
+    >>> gw.twin.openings_of(gw.fabrication.pattern_of(weave))
+    1
+    """
+    said = [strip.openings for strip in pattern.strips if not strip.closed]
+    if any(each is None for each in said):
+        return None
+    return len({opening for each in said if each is not None for opening in each if opening >= 0})
 
 
 def rings(angle: Scalars) -> Indices:

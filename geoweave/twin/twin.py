@@ -241,7 +241,7 @@ class Twin:
             "thickness": pattern.thickness,
             "surface": {
                 "genus": surface.genus,
-                "boundary_loops": surface.openings,
+                "boundary_loops": surface.openings or 0,
                 "euler_characteristic": surface.euler_characteristic,
             },
             "ribbons": [

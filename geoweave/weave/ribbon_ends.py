@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from geoweave.arrays import Flags, Scalars
+from geoweave.arrays import Flags, Indices, Scalars
 from geoweave.curves import Crossings, Curve, Curves, straightest
 
 ROUNDING = 1e-6
@@ -101,15 +101,33 @@ def loose_ends(curves: Curves, met: Crossings, tail: float) -> Flags:
 
 def on_boundary(curves: Curves) -> Flags:
     """(n, 2) whether start and end of each curve lie on the boundary of the surface."""
+    return np.asarray(_boundary_sides(curves)[1] >= 0)
+
+
+def openings_reached(curves: Curves) -> Indices:
+    """(n, 2) boundary loop of the surface on which start and end of each open curve lie, -1 for none.
+
+    Loops are counted as in `TriMesh.boundary_loops`. The ends of a closed curve lie on none.
+    """
+    mesh, (face, side) = curves.mesh, _boundary_sides(curves)
+    loop = np.full(mesh.n_vertices, -1, dtype=np.int64)
+    for number, vertices in enumerate(mesh.boundary_loops):
+        loop[vertices] = number
+    reached = loop[mesh.faces[face, (side + 1) % 3]]
+    return np.where((side >= 0) & ~curves.closed[:, None], reached, -1)
+
+
+def _boundary_sides(curves: Curves) -> tuple[Indices, Indices]:
+    """(n, 2) face of start and end of each curve, and the side of it on the boundary there, -1 inside."""
     mesh = curves.mesh
     ends = np.stack([curves.offsets[:-1], curves.offsets[1:] - 1], axis=1)
     face, point = curves.faces[ends], curves.points[ends]
     corners = mesh.vertices[mesh.faces[face]]
-    found = np.zeros(ends.shape, dtype=bool)
+    found = np.full(ends.shape, -1, dtype=np.int64)
     for k in range(3):
         a, b = corners[..., (k + 1) % 3, :], corners[..., (k + 2) % 3, :]
         along = b - a
         share = np.clip(((point - a) * along).sum(-1) / (along**2).sum(-1), 0.0, 1.0)
         off = np.linalg.norm(point - a - share[..., None] * along, axis=-1)
-        found |= (mesh.face_neighbors[face, k] < 0) & (off < ROUNDING * mesh.mean_edge)
-    return found
+        found[(mesh.face_neighbors[face, k] < 0) & (off < ROUNDING * mesh.mean_edge)] = k
+    return face, found

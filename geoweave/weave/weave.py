@@ -19,6 +19,7 @@ from geoweave.weave.cover import family_count
 from geoweave.weave.interlacing import Interlacing, greedy
 from geoweave.weave.kept_singularities import Met
 from geoweave.weave.passages import Passages
+from geoweave.weave.ribbon_ends import openings_reached
 from geoweave.weave.ribbons import Ribbons
 
 __all__ = ["WEAVE_FORMAT", "WEAVE_VERSION", "Design", "Units", "Weave", "default_width", "labels"]
@@ -238,7 +239,7 @@ class Weave:
         curves, met = self.ribbons.curves, self.ribbons.crossings
         place, unit = self.placement.undo, self.placement.scale
         points, normals = place(curves.points), curves.normals
-        names = self.names
+        names, reached = self.names, openings_reached(curves)
         return {
             "format": WEAVE_FORMAT,
             "version": WEAVE_VERSION,
@@ -261,6 +262,8 @@ class Weave:
                     "family": int(self.families[c]),
                     "closed": bool(curves.closed[c]),
                     "length": float(curves.lengths[c] * unit),
+                    # the boundary loop of the surface that each end lies on, -1 for an end inside
+                    "openings": reached[c].tolist(),
                     "points": points[curves.offsets[c] : curves.offsets[c + 1]].tolist(),
                     "normals": normals[curves.offsets[c] : curves.offsets[c + 1]].tolist(),
                 }

@@ -6,7 +6,16 @@ import numpy as np
 from surfaces import lines_on_square
 
 from geoweave.curves.curve_crossings import crossings
-from geoweave.weave.ribbon_ends import extended, holding, loose_ends, off_ideal
+from geoweave.curves.straightest_geodesics import straightest
+from geoweave.models import shapes
+from geoweave.weave.ribbon_ends import (
+    extended,
+    holding,
+    loose_ends,
+    off_ideal,
+    on_boundary,
+    openings_reached,
+)
 from geoweave.weave.ribbons import Cutting, ribbons
 
 
@@ -59,3 +68,17 @@ def test_angles_are_compared_with_those_of_evenly_turned_families() -> None:
     angle = np.radians([60.0, -130.0, 90.0, 5.0, 180.0])
     np.testing.assert_allclose(off_ideal(angle, 3), [0, 10, 30, 55, 60], atol=1e-9)
     np.testing.assert_allclose(off_ideal(angle, 2), [30, 40, 0, 85, 90], atol=1e-9)
+
+
+def test_the_ends_of_a_line_name_the_opening_that_they_reach() -> None:
+    tube = shapes.cylinder(faces=400)
+    rise = tube.vertices[tube.faces][:, :, 2].mean(axis=1)
+    start = int(np.abs(rise).argmin())
+    up = np.array([[0.0, 0.1, 1.0]])
+    lines = [straightest(tube, [start], way, np.array([length])) for way, length in ((up, 0.1), (-up, 9.0))]
+    found = [openings_reached(line).tolist()[0] for line in lines]
+    top = [bool(tube.vertices[loop, 2].mean() > 0) for loop in tube.boundary_loops]
+    assert found == [[-1, -1], [-1, top.index(False)]]
+    longer, _ = extended(lines[0], 9.0)
+    assert openings_reached(longer).tolist() == [[top.index(False), top.index(True)]]
+    assert on_boundary(longer).tolist() == [[True, True]]
