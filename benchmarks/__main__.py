@@ -116,8 +116,9 @@ def covers() -> list[dict]:
 
 def speed(faces: int = 30_000) -> dict:
     row = child("speed", str(faces))
-    print(f"\nThe regular weave of a bunny of {faces:,} faces; seconds of wall clock.")
-    print("The limit of theta and s: four factorisations of their joint matrix and the solves with it.\n")
+    print(f"\nThe regular weave of a bunny of {faces:,} faces; seconds of CPU.")
+    print("The limit of theta and s: four factorisations of their joint matrix and the solves, all in")
+    print("double precision.\n")
     print("   phase    total    joint    limit  multiple  factored  crossings")
     for name in ("regular", "free"):
         one = row[name]

@@ -46,9 +46,9 @@ def counting() -> Iterator[tuple[list[int], list[int]]]:
     made: list[int] = []
     solves: list[int] = []
 
-    def counted(*arguments: Any) -> Any:
+    def counted(*arguments: Any, **precision: Any) -> Any:
         made.append(1)
-        return Counted(factorized(*arguments), solves)
+        return Counted(factorized(*arguments, **precision), solves)
 
     try:
         for module in (theta_systems, integrability, reuse):

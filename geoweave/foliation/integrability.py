@@ -25,9 +25,8 @@ from geoweave.fields import (
     field_mass,
 )
 from geoweave.sparse import (
-    Analysis,
     Ordering,
-    analysed,
+    Reused,
     factorized,
     nested_dissection,
     one_blas_thread,
@@ -54,6 +53,9 @@ SETTLED = 1e-4
 
 SHORTEST = 1e-3
 """A Gauss-Newton step is halved until it lowers the energy, but not below this share of its length."""
+
+EXACT = 1e-7
+"""What conjugate gradients leave of a Gauss-Newton step, as a share."""
 
 GAUGE = 1e-6
 """Weight of a step in sigma beside 1: it decides the direction in which v and s grow together."""
@@ -217,7 +219,7 @@ def _logarithm(
     x = _nearest_integrable(closed, target, np.exp(sigma), ordering)
     v = as_complex(closed.basis @ x)
     energies = [energy(v, sigma)]
-    analysis: Analysis | None = None
+    solver = Reused(ordering, nearness=EXACT)
     for _ in range(steps):
         shrink = np.exp(-sigma)
         relative = shrink * v
@@ -229,14 +231,14 @@ def _logarithm(
         cross = -closed.basis_transposed @ _scaled_by_faces(area * shrink * relative)
         lower = sparse.diags_array(area * (np.abs(relative) ** 2 + GAUGE)) + mu * laplacian
         matrix = _blocks(upper, cross, lower)
-        analysis = analysis or analysed(matrix, ordering)
         downhill = np.concatenate(
             [
                 -(closed.basis_transposed @ as_real(area * shrink * miss)),
                 area * (relative.conj() * miss).real - mu * (laplacian @ sigma),
             ]
         )
-        step = factorized(matrix, analysis).solve(downhill)
+        # sigma changes too much from step to step for factors to serve two of them.
+        step = solver.of(matrix, anew=True).solve(downhill)
         dv, ds, length = as_complex(closed.basis @ step[:split]), step[split:], 1.0
         while (new := energy(v + length * dv, sigma + length * ds)) > energies[-1] and length > SHORTEST:
             length *= 0.5

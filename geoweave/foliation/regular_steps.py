@@ -13,7 +13,7 @@ from geoweave.foliation.integrability import vertices_and_faces
 from geoweave.foliation.phase_energy import PhaseEnergy
 from geoweave.foliation.theta_and_s import Alternation, HeldMean, JointModel
 from geoweave.foliation.triples import Triples
-from geoweave.sparse import Assembly, Factorization, Ordering, Reused
+from geoweave.sparse import Assembly, Factorization, Ordering
 
 ETA = 3.0
 """Weight of frequencies that do not fit together, beside Eq. 8."""
@@ -65,7 +65,6 @@ class RegularSteps(Alternation):
         super().__init__(field, first, unit, smoothness, ordering)
         self.phase = PhaseEnergy(field, unit, triples)
         self.held = HeldMean(field.mesh, triples.groups)
-        self._reused = Reused(self.systems.ordering)
 
     @cached_property
     def _assembly(self) -> Assembly:
@@ -76,7 +75,7 @@ class RegularSteps(Alternation):
 
     def _factors(self, convex: Scalars, weights: Scalars, free: Scalars) -> Factorization:
         entries = self.systems.joint_entries(convex, free) + self.phase.entries(weights, free)
-        return self._reused.of(self._assembly(np.concatenate(entries)))
+        return self.systems.joint_reused.of(self._assembly(np.concatenate(entries)))
 
     def objective(self, theta: Scalars, s: Scalars) -> float:
         """What the joint step lowers: Eq. 8 and the energy of the phase."""

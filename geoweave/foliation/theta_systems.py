@@ -41,7 +41,13 @@ class ThetaSystems:
         self.face_ordering = self.ordering.of(mesh.n_vertices + np.arange(mesh.n_faces))
         self._analyses: dict[Assembly, Analysis] = {}
         # From step to step the weights change little, so that factors serve several of them.
-        self._joint_reused = Reused(self.ordering)
+        self.joint_reused = Reused(self.ordering, soft=self._constants())
+
+    def _constants(self) -> sparse.csr_array:
+        """(V + F, components) theta that is constant on one component: it has no energy."""
+        component, n = self.mesh.vertex_components, self.mesh.n_vertices
+        shape = n + self.mesh.n_faces, self.mesh.n_components
+        return sparse.csr_array((np.ones(n), (np.arange(n), component)), shape=shape)
 
     # -- where the entries are --------------------------------------------------------------------------
 
@@ -148,7 +154,7 @@ class ThetaSystems:
 
     def joint_factors(self, convex: Scalars, free: Scalars) -> Factorization:
         """Factors of the model of `joint_entries`."""
-        return self._joint_reused.of(self._joint(np.concatenate(self.joint_entries(convex, free))))
+        return self.joint_reused.of(self._joint(np.concatenate(self.joint_entries(convex, free))))
 
     @cached_property
     def s_alone(self) -> tuple[sparse.csr_array, Factorization]:

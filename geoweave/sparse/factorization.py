@@ -178,6 +178,10 @@ class Factorization(Protocol):
     def fill(self) -> int:
         """Number of stored entries."""
 
+    @property
+    def exact(self) -> bool:
+        """Whether a solve is as near as double precision allows."""
+
     def solve(self, right: Column) -> Column:
         """Solve for one right-hand side (n,) or several (n, k), real or complex as the matrix is."""
 
@@ -185,12 +189,16 @@ class Factorization(Protocol):
 @dataclass(frozen=True, eq=False)
 class _Cholesky:
     _symbolic: cholesky.Symbolic
-    _entries: Scalars
+    _entries: cholesky.Entries
     size: int
 
     @property
     def fill(self) -> int:
         return self._symbolic.fill
+
+    @property
+    def exact(self) -> bool:
+        return bool(self._entries.dtype == np.float64)
 
     def solve(self, right: Column) -> Column:
         columns = np.asarray(right, dtype=np.float64).reshape(self.size, -1)
@@ -210,6 +218,10 @@ class _SuperLU:
     def fill(self) -> int:
         return int(self._factors.nnz)
 
+    @property
+    def exact(self) -> bool:
+        return True
+
     def solve(self, right: Column) -> Column:
         if self._order is None:
             return self._factors.solve(right)
@@ -218,7 +230,9 @@ class _SuperLU:
         return solution
 
 
-def factorized(matrix: SparseMatrix, ordering: Ordering | Analysis) -> Factorization:
+def factorized(
+    matrix: SparseMatrix, ordering: Ordering | Analysis, *, single: bool = False
+) -> Factorization:
     """Factor a Hermitian positive definite sparse matrix in a given order.
 
     Parameters
@@ -226,6 +240,7 @@ def factorized(matrix: SparseMatrix, ordering: Ordering | Analysis) -> Factoriza
     matrix : (n, n) sparse, real symmetric or complex Hermitian, positive definite
     ordering : elimination order of the same pattern, or an analysis of it; where the matrix has another
         pattern than the one analysed, by entries that cancelled, only the order is used
+    single : let our Cholesky work in single precision, for factors that precondition and need not be exact
 
     Large real matrices go to our Cholesky, several times faster on them but compiled on first use;
     small ones, complex ones, and all where METIS is missing, go to SuperLU.
@@ -243,7 +258,7 @@ def factorized(matrix: SparseMatrix, ordering: Ordering | Analysis) -> Factoriza
         if symbolic is None or not symbolic.fits(csr):
             symbolic = cholesky.analysed(csr, order)
         try:
-            return _Cholesky(symbolic, cholesky.factor(csr, symbolic), csr.shape[0])
+            return _Cholesky(symbolic, cholesky.factor(csr, symbolic, single), csr.shape[0])
         except cholesky.NotDefiniteError as error:
             raise SingularMatrixError(f"a matrix of {csr.shape[0]} unknowns is not definite") from error
     csc = sparse.csc_array(matrix)

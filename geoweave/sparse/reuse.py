@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from geoweave.arrays import Scalars
 from geoweave.sparse.factorization import (
@@ -10,6 +11,7 @@ from geoweave.sparse.factorization import (
     Column,
     Factorization,
     Ordering,
+    SingularMatrixError,
     SparseMatrix,
     analysed,
     factorized,
@@ -73,41 +75,67 @@ def near_solution(
     raise AssertionError("the loop returns")
 
 
+SHIFT = 1e-7
+"""Share of its diagonal that is added to a matrix before it is factored in single precision: its rounding."""
+
+
 class Reused:
     """Matrices of one pattern that change little from one to the next, and factors that serve several.
 
     A system is solved by conjugate gradients with the factors made last. Where that takes too many steps,
-    its own matrix is factored. Nothing depends on a clock.
+    its own matrix is factored. Factors are made in single precision, in half the time, since conjugate
+    gradients mend what that leaves; where a matrix is too ill-conditioned for it, in double precision.
+    Nothing depends on a clock.
 
     Parameters
     ----------
     ordering : of the pattern of all matrices
     nearness, steps : as for `near_solution`
+    soft : (n, k) directions in which all matrices are nearly singular; along them factors in single precision
+        say nothing, and what conjugate gradients leave there is solved for in double precision
     """
 
-    def __init__(self, ordering: Ordering, *, nearness: float = NEARNESS, steps: int = STEPS) -> None:
-        self.nearness, self.steps = nearness, steps
+    def __init__(
+        self,
+        ordering: Ordering,
+        *,
+        nearness: float = NEARNESS,
+        steps: int = STEPS,
+        soft: sparse.csr_array | None = None,
+    ) -> None:
+        self.nearness, self.steps, self.soft = nearness, steps, soft
         self._ordering = ordering
         self._analysis: Analysis | None = None
         self._factors: Factorization | None = None
 
-    def of(self, matrix: SparseMatrix) -> Factorization:
-        """What solves with a matrix; its answers are as near as `nearness` says, or exact."""
-        return _Near(self, matrix)
+    def of(self, matrix: SparseMatrix, *, anew: bool = False) -> Factorization:
+        """What solves with a matrix; its answers are as near as `nearness` says, or nearer.
 
-    def _factored(self, matrix: SparseMatrix) -> Factorization:
+        With ``anew`` it is factored at once. That pays where the answer is to be near and the matrix is not
+        near the last one.
+        """
+        return _Near(self, matrix, anew)
+
+    def _factored(self, matrix: SparseMatrix, single: bool) -> Factorization:
         if self._analysis is None:
             self._analysis = analysed(matrix, self._ordering)
-        self._factors = factorized(matrix, self._analysis)
+        single = single and self._analysis.symbolic is not None
+        if single:
+            matrix = sparse.csr_array(matrix + sparse.diags_array(SHIFT * matrix.diagonal()))
+        self._factors = factorized(matrix, self._analysis, single=single)
         return self._factors
 
 
 class _Near:
     """One matrix, solved with by the factors of another until that takes too long."""
 
-    def __init__(self, reused: Reused, matrix: SparseMatrix) -> None:
+    def __init__(self, reused: Reused, matrix: SparseMatrix, anew: bool) -> None:
         self._reused, self._matrix = reused, matrix
-        self._exact: Factorization | None = None if reused._factors is not None else reused._factored(matrix)
+        self._exact: Factorization | None = None
+        self._precisions = [False, True]
+        """Whether the factors that are made of this matrix are of single precision, the first ones last."""
+        if anew or reused._factors is None:
+            self._make()
 
     @property
     def size(self) -> int:
@@ -118,13 +146,38 @@ class _Near:
         assert self._reused._factors is not None  # since the first matrix
         return self._reused._factors.fill
 
+    @property
+    def exact(self) -> bool:
+        return self._exact is not None
+
+    def _make(self) -> None:
+        """Factor the matrix, in single precision if that was not tried and is enough."""
+        while True:
+            single = self._precisions.pop()
+            try:
+                factors = self._reused._factored(self._matrix, single)
+            except SingularMatrixError:
+                if not single:
+                    raise
+                continue
+            self._exact = factors if factors.exact else None
+            return
+
+    def _along_soft(self, rest: Scalars) -> Scalars:
+        """The combination of soft directions that answers best to what is left of a right-hand side."""
+        soft, factors = self._reused.soft, self._reused._factors
+        if soft is None or factors is None or factors.exact:
+            return np.zeros_like(rest)
+        among = (soft.T @ (self._matrix @ soft)).toarray()
+        return np.asarray(soft @ np.linalg.solve(among, soft.T @ rest))
+
     def solve(self, right: Column) -> Column:
-        if self._exact is None:
-            reused = self._reused
-            assert reused._factors is not None
+        reused = self._reused
+        while self._exact is None:
+            assert reused._factors is not None  # since the first matrix
             real = np.asarray(right, dtype=np.float64)
             x, near = near_solution(self._matrix, reused._factors, real, reused.nearness, reused.steps)
             if near:
-                return x.astype(right.dtype)
-            self._exact = reused._factored(self._matrix)
+                return (x + self._along_soft(real - self._matrix @ x)).astype(right.dtype)
+            self._make()
         return self._exact.solve(right)

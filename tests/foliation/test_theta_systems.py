@@ -21,7 +21,11 @@ def test_the_theta_matrix_is_the_sum_it_says(name: str) -> None:
 
 
 def test_small_and_large_factorisations_take_the_same_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What SuperLU finds without an analysis our Cholesky finds with one, kept from step to step."""
+    """What SuperLU finds without an analysis our Cholesky finds with one, kept from step to step.
+
+    Joint steps are solved for to a tenth, and ours begin with factors in single precision, so that steps agree
+    to a part of their length. A constant theta has no energy and is left to them.
+    """
     found = []
     for large in (10**9, 1):
         monkeypatch.setattr(factorization, "LARGE", large)
@@ -29,9 +33,11 @@ def test_small_and_large_factorisations_take_the_same_steps(monkeypatch: pytest.
         for _ in range(3):
             theta, s = steps.improve_both(theta, s)
             s = steps.improve_s(theta, s)
-        found.append((theta, s))
-    for one, other in zip(*found, strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6)
+        found.append((theta, s, steps.energy(theta, s)))
+    (theta, s, energy), (other_theta, other_s, other_energy) = found
+    assert steps.theta_change(theta, other_theta) < 5e-3
+    np.testing.assert_allclose(s, other_s, rtol=5e-3)
+    assert energy == pytest.approx(other_energy, rel=1e-4)
 
 
 def test_one_ordering_is_handed_on() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from geoweave.sparse import Ordering, factorized, reuse
+from geoweave.sparse import Ordering, factorization, factorized, nested_dissection, reuse
 from geoweave.sparse.reuse import Reused, near_solution
 
 
@@ -47,10 +47,10 @@ def test_what_drifts_little_is_factored_once_and_what_drifts_far_each_time(
 ) -> None:
     count = 0
 
-    def counted(*arguments):  # type: ignore[no-untyped-def]
+    def counted(*arguments, single):  # type: ignore[no-untyped-def]
         nonlocal count
         count += 1
-        return factorized(*arguments)
+        return factorized(*arguments, single=single)
 
     monkeypatch.setattr(reuse, "factorized", counted)
     reused = Reused(Ordering(None), nearness=1e-3)
@@ -70,3 +70,42 @@ def test_the_first_matrix_and_one_that_was_factored_are_solved_with_exactly() ->
     reused = Reused(Ordering(None), nearness=1e-9)
     for matrix in (first, last):
         np.testing.assert_allclose(matrix @ reused.of(matrix).solve(right), right, atol=1e-8)
+
+
+def _precisions(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
+    """Whether factors were asked for in single precision, in the order in which they are made from here on."""
+    asked: list[bool] = []
+
+    def noted(*arguments, single):  # type: ignore[no-untyped-def]
+        asked.append(single)
+        return factorized(*arguments, single=single)
+
+    monkeypatch.setattr(factorization, "LARGE", 100)
+    monkeypatch.setattr(reuse, "factorized", noted)
+    return asked
+
+
+def test_factors_of_single_precision_serve_where_they_can(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = _precisions(monkeypatch)
+    first, *_, last = matrices(drift=0.7)
+    right = np.random.default_rng(3).normal(size=first.shape[0])
+    reused = Reused(nested_dissection(first), nearness=1e-9)
+    for matrix in (first, last):
+        solver = reused.of(matrix, anew=True)
+        np.testing.assert_allclose(matrix @ solver.solve(right), right, atol=1e-6 * np.abs(right).max())
+        assert not solver.exact
+    assert asked == [True, True]
+
+
+def test_an_ill_conditioned_matrix_is_factored_in_double_precision(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With factors in single precision conjugate gradients do not come near enough."""
+    asked = _precisions(monkeypatch)
+    n = 2000
+    difference = sparse.diags_array([-np.ones(n), np.ones(n)], offsets=[0, 1], shape=(n, n + 1))
+    matrix = sparse.csr_array(difference.T @ difference + 1e-9 * sparse.eye_array(n + 1))
+    right = np.random.default_rng(3).normal(size=n + 1)
+    solver = Reused(nested_dissection(matrix), nearness=1e-9, steps=2).of(matrix)
+    x, exact = solver.solve(right), factorized(matrix, Ordering(None)).solve(right)
+    np.testing.assert_allclose(x, exact, rtol=1e-3)
+    assert asked == [True, False]
+    assert solver.exact
