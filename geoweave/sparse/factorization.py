@@ -230,9 +230,7 @@ class _SuperLU:
         return solution
 
 
-def factorized(
-    matrix: SparseMatrix, ordering: Ordering | Analysis, *, single: bool = False
-) -> Factorization:
+def factorized(matrix: SparseMatrix, ordering: Ordering | Analysis, *, single: bool = False) -> Factorization:
     """Factor a Hermitian positive definite sparse matrix in a given order.
 
     Parameters

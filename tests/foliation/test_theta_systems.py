@@ -23,7 +23,7 @@ def test_the_theta_matrix_is_the_sum_it_says(name: str) -> None:
 def test_small_and_large_factorisations_take_the_same_steps(monkeypatch: pytest.MonkeyPatch) -> None:
     """What SuperLU finds without an analysis our Cholesky finds with one, kept from step to step.
 
-    Joint steps are solved for to a tenth, and ours begin with factors in single precision, so that steps agree
+    Joint steps are solved for to a tenth, and ours begin with factors in single precision, so they agree
     to a part of their length. A constant theta has no energy and is left to them.
     """
     found = []

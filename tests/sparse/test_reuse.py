@@ -73,7 +73,7 @@ def test_the_first_matrix_and_one_that_was_factored_are_solved_with_exactly() ->
 
 
 def _precisions(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
-    """Whether factors were asked for in single precision, in the order in which they are made from here on."""
+    """Note of all factors made from here on whether they were asked for in single precision."""
     asked: list[bool] = []
 
     def noted(*arguments, single):  # type: ignore[no-untyped-def]
