@@ -1,5 +1,7 @@
 """Rods of known shapes, for the tests of the physics."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from geoweave.arrays import parallel_transport
@@ -7,6 +9,7 @@ from geoweave.rods.rods import Contacts, Layout, Material, Rods
 
 NONE = Contacts(np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
 MATERIAL = Material(thickness=0.01, young=1e6)
+THIN = Material(thickness=0.002, young=1e8)
 
 
 def rods_of(lines, normals, *, closed=False, width=0.1, contacts=NONE, material=MATERIAL):
@@ -107,3 +110,23 @@ def grid(count=3):
             pairs.append([each * one + 10 * (other + 1), each * (count + other) + 10 * (one + 1)])
             places.append([0.0, 0.0])
     return rods_of(bars, np.array([0.0, 0.0, 1.0]), contacts=Contacts(pairs, places, np.ones(len(pairs))))
+
+
+def three_great_circles(count=48, *, tilt=0.0, seed=0):
+    """Three rings about a ball, each over one and under the other where they cross: six contacts."""
+    flat = circle(count)
+    frames = [np.eye(3), np.eye(3)[[1, 2, 0]], np.eye(3)[[2, 0, 1]]]
+    lines = [flat @ frame for frame in frames]
+    if tilt:
+        rng = np.random.default_rng(seed)
+        lines = [line + tilt * rng.normal(size=line.shape) for line in lines]
+        lines = [line / np.linalg.norm(line, axis=1)[:, None] for line in lines]
+    normals = np.concatenate([0.5 * (line + np.roll(line, -1, axis=0)) for line in lines])
+    free = rods_of(lines, normals, closed=True, width=0.04, material=THIN)
+    quarter = count // 4
+    # ring 0 passes x, y, -x, -y; ring 1 passes y, z, ...; ring 2 passes z, x, ...
+    pairs, over = [], []
+    for a, b, at, bt in ((0, 1, 1, 0), (0, 1, 3, 2), (1, 2, 1, 0), (1, 2, 3, 2), (2, 0, 1, 0), (2, 0, 3, 2)):
+        pairs.append([a * count + at * quarter, b * count + bt * quarter])
+        over.append(1)
+    return replace(free, contacts=Contacts(pairs, np.zeros((6, 2)), over))

@@ -1,3 +1,8 @@
+from .contact_forces import (
+    FRICTION as FRICTION,
+    ContactForces as ContactForces,
+    contact_forces as contact_forces,
+)
 from .contact_order import Changes as Changes, order_changes as order_changes, positions as positions
 from .curved_weave import STRIPS as STRIPS, StripKind as StripKind, curved as curved
 from .departure import (
@@ -15,6 +20,11 @@ from .from_ribbons import (
     rods_of_ribbons as rods_of_ribbons,
 )
 from .natural_curvature import natural_of_strips as natural_of_strips
+from .rest_stiffness import (
+    RestStiffness as RestStiffness,
+    SoftMotions as SoftMotions,
+    standing as standing,
+)
 from .rod_file import RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
 from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods
 from .slid_weave import (

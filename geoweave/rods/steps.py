@@ -22,7 +22,7 @@ from geoweave.rods.hessian import Pattern
 from geoweave.rods.rods import Rods
 from geoweave.sparse import cholesky
 
-__all__ = ["DAMPING", "NEAR", "NEWTON", "Problem", "State", "Stepping", "Taken", "Trial"]
+__all__ = ["DAMPING", "NEAR", "NEWTON", "Problem", "State", "Stepping", "Taken", "Trial", "free_parts"]
 
 
 @dataclass(frozen=True)
@@ -155,7 +155,7 @@ class Problem:
         strength = rods.material.stretching(rods.widths)
         self.stiff = float(strength.mean()) / size
         self.least = NO_FORCE * float(np.linalg.norm(strength))
-        self.parts = [] if anchored else _parts(rods, fixed)
+        self.parts = [] if anchored else free_parts(rods, fixed)
 
     def tried(self, rods: Rods) -> Trial:
         """Evaluate residuals and energies of rods."""
@@ -331,7 +331,7 @@ def _turn(rods: Rods, step: Scalars) -> float:
     return max(float(change.max()), float(np.abs(step[3 * rods.layout.vertices :]).max()))
 
 
-def _parts(rods: Rods, fixed: Flags) -> list[tuple[Indices, Indices]]:
+def free_parts(rods: Rods, fixed: Flags) -> list[tuple[Indices, Indices]]:
     """Vertices and segments of each connected part of the weave that has no fixed vertex."""
     layout, pair = rods.layout, rods.layout.rod_of_segment[rods.contacts.segments]
     links = sparse.csr_array((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(len(rods),) * 2)

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rodded import any_rotation, bar, circle, rods_of
+from rodded import THIN, any_rotation, bar, circle, rods_of, three_great_circles
 
 from geoweave.errors import RodError
 from geoweave.models.shapes import sphere
@@ -24,28 +24,6 @@ from geoweave.rods.slide_and_relax import (
 from geoweave.surface.closest_point import closest_points, triangle_tree
 
 PEER = Path(__file__).resolve().parents[3] / "shared" / "peer"
-THIN = Material(thickness=0.002, young=1e8)
-
-
-def three_great_circles(count=48, *, tilt=0.0, seed=0):
-    """Three rings about a ball, each over one and under the other where they cross: six contacts."""
-    flat = circle(count)
-    frames = [np.eye(3), np.eye(3)[[1, 2, 0]], np.eye(3)[[2, 0, 1]]]
-    lines = [flat @ frame for frame in frames]
-    if tilt:
-        rng = np.random.default_rng(seed)
-        lines = [line + tilt * rng.normal(size=line.shape) for line in lines]
-        lines = [line / np.linalg.norm(line, axis=1)[:, None] for line in lines]
-    normals = np.concatenate([0.5 * (line + np.roll(line, -1, axis=0)) for line in lines])
-    free = rods_of(lines, normals, closed=True, width=0.04, material=THIN)
-    quarter = count // 4
-    # ring 0 passes x, y, -x, -y; ring 1 passes y, z, ...; ring 2 passes z, x, ...
-    pairs, over = [], []
-    for a, b, at, bt in ((0, 1, 1, 0), (0, 1, 3, 2), (1, 2, 1, 0), (1, 2, 3, 2), (2, 0, 1, 0), (2, 0, 3, 2)):
-        pairs.append([a * count + at * quarter, b * count + bt * quarter])
-        over.append(1)
-    return replace(free, contacts=Contacts(pairs, np.zeros((6, 2)), over))
-
 
 def test_contacts_of_the_three_rings_are_where_they_cross():
     rods = three_great_circles()
