@@ -332,6 +332,7 @@ def _rest(relax: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:
         ("at rest", f"{verdict}: {relax['mean']:.1%} of the diagonal from the surface, at most {far:.1%}"),
         ("  farthest", f"{worst['distance']:.3g}{unit} at ({where}), {worst['ribbon']}"),
     ]
+    rows += _holding(relax["forces"])
     bent = relax.get("curved_strips")
     if bent is not None:
         said = f"{bent['kind']}, curvature x width at most {bent['sharpest']:.2g}"
@@ -341,6 +342,24 @@ def _rest(relax: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:
             said += f"; {first:.2%} -> {last:.2%} of the diagonal in {len(bent['history'])} trials ({end})"
         rows.append(("  curved strips", said))
     return rows
+
+
+def _holding(forces: dict[str, Any]) -> list[tuple[str, str]]:
+    """How many crossings need glue or a rivet, and what friction would hold a half and nine tenths."""
+    if not forces["contacts"]:
+        return []
+    need, all_of_them = forces["fasten"], forces["contacts"]
+    said = f"friction of {forces['friction']:g} holds {all_of_them - need:,} of {all_of_them:,} crossings"
+    if need:
+        said += f"; glue or rivet {need:,}, the most important first in report.json"
+    shares = [
+        f"{share} % of them would hold with {forces['needed'][f'p{share}']:.2g}"
+        for share in (50, 90)
+        if forces["needed"][f"p{share}"] is not None
+    ]
+    if forces["pulled_apart"]:
+        shares.append(f"{forces['pulled_apart']:,} are pulled apart")
+    return [("  crossings", said), *([("  friction", "; ".join(shares))] if shares else [])]
 
 
 def _worst(kind: str, report: Inspection) -> str:

@@ -108,6 +108,8 @@ def guide_content(
             ]
             for x in range(len(pattern.ribbons))
         ],
+        # Crossings that friction does not hold, as far as the forces at rest are known.
+        "fasten": [x for x, each in enumerate(document["crossings"]) if each.get("fasten")],
         "order": [[step.strip, int(step.backbone), list(step.crossings)] for step in order],
         "drawings": drawings(pattern, making, colours),
         "shape": bodies,

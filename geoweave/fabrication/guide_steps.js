@@ -30,7 +30,8 @@ function planned(content) {
     if (strips[strip].closed) steps.push({ kind: "join", ...common });
   });
   steps.push({ kind: "done", number: strips.length });
-  return { strips, crossings, passages, steps, firstOf, numberOf, order: content.order.map(([strip]) => strip) };
+  const fasten = new Set(content.fasten);
+  return { strips, crossings, passages, steps, fasten, firstOf, numberOf, order: content.order.map(([strip]) => strip) };
 }
 
 function within(degrees) {
@@ -97,6 +98,7 @@ function worded(step, plan, content) {
     [null, `Along ${strip.label}, ${own ? "its other part" : plan.strips[each.partner].label} points to the ${side}, ${wide}°. ` +
       "Mark on mark, edges on the guides, fasten."],
   ];
+  if (plan.fasten.has(each.crossing)) facts.push([null, "Glue or rivet it: friction alone does not hold this crossing."]);
   if (wide < 25 || wide > 155) facts.push([null, "A shallow crossing: the marks alone do not fix it, mind the angle."]);
   return {
     where: `${where}, crossing ${step.k + 1} of ${step.met.length}`,

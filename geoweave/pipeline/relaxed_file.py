@@ -105,7 +105,7 @@ def rest_numbers(start: Rods, rest: Equilibrium, unit: float) -> dict[str, Any]:
     """How far rods moved, in bounding diagonals at the start, and what energy is left."""
     import numpy as np
 
-    from geoweave.rods import fitted, vertex_weights
+    from geoweave.rods import contact_forces, fitted, vertex_weights
 
     moved = np.linalg.norm(fitted(rest.rods, start) - start.points, axis=1)
     diagonal = float(np.linalg.norm(np.ptp(start.points, axis=0)))
@@ -119,6 +119,7 @@ def rest_numbers(start: Rods, rest: Equilibrium, unit: float) -> dict[str, Any]:
         "elastic_before": sum(before.energies[name] for name in ELASTIC),
         "elastic_after": sum(after.energies[name] for name in ELASTIC),
         "energies_after": after.energies,
+        "forces": contact_forces(rest.rods).document(),
         "from_start": {
             "mean": float(np.average(moved, weights=vertex_weights(start))) / diagonal,
             "largest": float(moved.max()) / diagonal,
@@ -135,12 +136,12 @@ def _relaxed_text(
     weave: dict[str, Any] | None, rest: Equilibrium, center: Any, unit: float, said: dict[str, Any]
 ) -> tuple[str, str]:
     """Name and contents of the file that the rods at rest are written to."""
-    from geoweave.rods import at_rest, file_of_rods, rod_text, vertex_normals
+    from geoweave.rods import at_rest, contact_forces, file_of_rods, rod_text, vertex_normals
 
     if weave is None:
         return "relaxed.rod", rod_text(file_of_rods(rest.rods))
     points, normals = rest.rods.points * unit + center, vertex_normals(rest.rods)
-    document = at_rest(weave, rest.rods, points, normals, unit)
+    document = at_rest(weave, rest.rods, points, normals, unit, contact_forces(rest.rods))
     document["metrics"] = document["metrics"] | {"relax": said}
     return "relaxed.json", json.dumps(document, allow_nan=False) + "\n"
 

@@ -104,7 +104,7 @@ def write_weave(
     texts = {"weave.json": json.dumps(weave.document(), allow_nan=False) + "\n"}
     if relaxed is not None:
         texts["relaxed.json"] = json.dumps(relaxed.document(), allow_nan=False) + "\n"
-        said |= {"relax": relaxed.metrics()}
+        said |= {"relax": relaxed.metrics(), "fasten": relaxed.fasten()}
     said |= dict(about or {})
     if "rod" in wanted:
         texts["weave.rod"] = rod_text(rod_file(weave))

@@ -110,6 +110,25 @@ class ContactForces:
             return (0.0,) * len(SHARES)
         return tuple(float(np.percentile(kept, share, method="higher")) for share in SHARES)
 
+    def of_contact(self, contact: int, unit: float, friction: float = FRICTION) -> dict[str, Any]:
+        """What ``relaxed.json`` says of one crossing.
+
+        Parameters
+        ----------
+        contact : which
+        unit : of the forces that are wanted, over that of these
+        friction : coefficient of friction between two ribbons
+        """
+        needed = float(self.friction[contact])
+        return {
+            "force": {
+                "separation": float(self.separation[contact]) * unit,
+                "sliding": float(self.sliding[contact]) * unit,
+                "friction": needed if np.isfinite(needed) else None,
+            },
+            "fasten": needed > friction,
+        }
+
     def document(self, friction: float = FRICTION) -> dict[str, Any]:
         """What the report says of the forces; a percentile that no friction reaches is None."""
         shares = [value if np.isfinite(value) else None for value in self.percentiles()]

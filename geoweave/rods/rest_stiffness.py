@@ -33,7 +33,7 @@ HIGHEST = 0.2
 
 
 SHIFTS = (0.0, 1e-13, 1e-12)
-"""Dampings that are tried, far below any stiffness: a mechanism is singular, and rounding may hide its zero."""
+"""Dampings that are tried, far below any stiffness: rounding may make a mechanism's zero negative."""
 
 
 class SoftMotions(NamedTuple):

@@ -20,6 +20,7 @@ from geoweave.rods import hessian
 from geoweave.rods.curvature_knots import STRAIN, Knots
 from geoweave.rods.distance_at_rest import DistanceAtRest, Miss
 from geoweave.rods.equilibrium import Equilibrium, minimized
+from geoweave.rods.holding_at_rest import HoldingAtRest
 from geoweave.rods.rest_sensitivity import RestSensitivity
 from geoweave.rods.rods import Rods
 from geoweave.rods.slide_and_relax import Springs, relax_rods, relaxing_terms
@@ -39,6 +40,8 @@ class Fitting:
     longest : largest change of a length, as a share of it
     smooth : weight of the mean squared second difference of curvature x width between knots, against the mean
         squared distance in diagonals
+    hold : weight of the forces that friction must bear, against the mean squared distance: the mean squares
+        of those along ribbons, and of what ribbons press less than by alternating (`Lack`); 0 for none
     enough : the iteration has converged when a step is foreseen to lower the target by less than this share
     most_steps : largest number of trials
     most_inner : largest number of conjugate gradients for a step
@@ -56,13 +59,14 @@ class Fitting:
     sharpest: float = 1.0
     longest: float = 0.05
     smooth: float = 1e-7
+    hold: float = 0.0
     enough: float = 0.005
     most_steps: int = 60
     most_inner: int = 60
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if not (np.isfinite(value) and value > 0):
+            if not (np.isfinite(value) and (value > 0 or (name == "hold" and value == 0))):
                 raise FieldError(f"'{name}' of curved strips must be a positive number, not {value}")
         if self.sharpest >= 2:
             raise FieldError(f"'sharpest' is {self.sharpest:g}; from 2 on the edges of a strip cross")
@@ -152,6 +156,8 @@ class _Inverse:
         self.pattern = hessian.analysed(start.size, self.terms, self.held)
         self.goal = DistanceAtRest(surface, design, placed=bool(still.any()))
         self.knots = Knots.of(start)
+        wanted = numbers.hold > 0 and len(start.contacts) > 0
+        self.holding = HoldingAtRest(start, springs, numbers.hold) if wanted else None
         self.most = np.full(self.knots.number, numbers.sharpest)
         self.most[self.knots.curved :] = numbers.longest / STRAIN
         self.stepping = Stepping(tolerance=EXACT, most_steps=30)
@@ -164,6 +170,10 @@ class _Inverse:
     def value(self, miss: Miss, z: Scalars) -> float:
         """The target: half the mean squared distance, and the smoothness."""
         return miss.value + 0.5 * float(z @ self.smooth(z))
+
+    def lacking(self, rods: Rods) -> float:
+        """What crossings lack to hold by friction."""
+        return 0.0 if self.holding is None else self.holding.lack(rods).value
 
     def nearby(self, shape: Rods, z: Scalars) -> Equilibrium:
         """Relax strips that are cut so from a shape nearby."""
@@ -193,9 +203,10 @@ class _Linear:
     def __init__(self, problem: _Inverse, rods: Rods, z: Scalars) -> None:
         self.problem, self.rods, self.z = problem, rods, z
         self.miss = problem.goal.miss(rods)
-        self.value = problem.value(self.miss, z)
+        self.lack = None if problem.holding is None else problem.holding.lack(rods)
+        self.value = problem.value(self.miss, z) + (0.0 if self.lack is None else self.lack.value)
         self.sensitivity = RestSensitivity(rods, problem.terms, problem.held, None, problem.pattern)
-        self.gradient = self.back(self.miss.residuals) + problem.smooth(z)
+        self.gradient = self.back(self.residuals()) + problem.smooth(z)
         # What is at its bound and pushed against it does not take part.
         self.free = (np.abs(z) < problem.most * (1 - 1e-9)) | (z * self.gradient > 0)
 
@@ -203,13 +214,23 @@ class _Linear:
         """(3 V + S,) change of the shape at rest."""
         return self.sensitivity.moved(*self.problem.knots.change(change))
 
+    def residuals(self) -> Scalars:
+        """(V,) distances, or (V + C,) with what contacts lack to hold."""
+        far = self.miss.residuals
+        return far if self.lack is None else np.concatenate([far, self.lack.residuals])
+
     def forward(self, change: Scalars) -> Scalars:
-        """(V,) change of the residuals."""
-        return self.miss.forward(self.moved(change)[: self.rods.points.size].reshape(-1, 3))
+        """Change of the residuals."""
+        moved = self.moved(change)
+        far = self.miss.forward(moved[: self.rods.points.size].reshape(-1, 3))
+        return far if self.lack is None else np.concatenate([far, self.lack.forward(moved)])
 
     def back(self, slope: Scalars) -> Scalars:
-        """Derivative by the unknowns of what has this derivative (V,) by the residuals."""
-        pull = np.concatenate([self.miss.backward(slope).ravel(), np.zeros(self.rods.layout.segments)])
+        """Derivative by the unknowns of what has this derivative by the residuals."""
+        far = self.miss.backward(slope[: len(self.miss.residuals)]).ravel()
+        pull = np.concatenate([far, np.zeros(self.rods.layout.segments)])
+        if self.lack is not None:
+            pull += self.lack.backward(slope[len(self.miss.residuals) :])
         return self.problem.knots.slope(*self.sensitivity.pulled(pull))
 
     def step(self, radius: float) -> tuple[Scalars, float]:
@@ -264,8 +285,8 @@ def optimal_strips(
     """Choose curvatures and lengths of strips so that they come to rest on a surface.
 
     Minimises half the mean squared distance of the vertices at rest from the surface, after the best rigid
-    fit, in squared diagonals, with a small term for smoothness. Each trial relaxes from the last shape at
-    rest. Some weaves have several shapes at rest, and the one that was followed may not be the one that is
+    fit, in squared diagonals, with a small term for smoothness and, with `Fitting.hold`, one for the forces
+    that friction must bear. Each trial relaxes from the last shape at rest. Some weaves have several shapes at rest, and the one that was followed may not be the one that is
     reached from the surface. So the last trials are relaxed anew from the start, and the best is returned.
 
     Parameters
@@ -355,7 +376,7 @@ def _trial(problem: _Inverse, linear: _Linear, z: Scalars) -> _Trial | None:
     if not rest.converged:
         return None
     miss = problem.goal.miss(rest.rods)
-    return _Trial(rest, miss, problem.value(miss, z))
+    return _Trial(rest, miss, problem.value(miss, z) + problem.lacking(rest.rods))
 
 
 def _reached(problem: _Inverse, path: list[_Taken]) -> tuple[Scalars, Equilibrium, bool]:
@@ -363,7 +384,7 @@ def _reached(problem: _Inverse, path: list[_Taken]) -> tuple[Scalars, Equilibriu
     best: tuple[float, Scalars, Equilibrium] | None = None
     for number, (z, value) in enumerate(reversed(path[-LOOKS:])):
         rest = problem.anew(z)
-        found = problem.value(problem.goal.miss(rest.rods), z)
+        found = problem.value(problem.goal.miss(rest.rods), z) + problem.lacking(rest.rods)
         if best is None or found < best[0]:
             best = found, z, rest
         if rest.converged and found <= SAME**2 * value:

@@ -8,7 +8,8 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from os import PathLike
 from typing import Any
 
@@ -17,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from geoweave.arrays import Vectors
 from geoweave.files import replacing
+from geoweave.rods.contact_forces import FRICTION, ContactForces, contact_forces
 from geoweave.rods.curved_weave import StripKind, curved
 from geoweave.rods.departure import Departure, departure, held
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping
@@ -24,7 +26,7 @@ from geoweave.rods.rods import Rods
 from geoweave.rods.slid_weave import SlidWeave, elastic_rods, slide
 from geoweave.rods.slide_and_relax import ROUNDS, Springs, relax_rods
 from geoweave.rods.strip_fitting import CurvedStep, CurvedStrips
-from geoweave.rods.weave_file import at_rest
+from geoweave.rods.weave_file import at_rest, crossings_at_rest
 from geoweave.weave import Weave
 
 __all__ = ["Relaxed", "relax", "relaxed_weave", "vertex_normals"]
@@ -47,6 +49,7 @@ class Relaxed:
         holds it
     seconds : wall-clock seconds of each stage
     curving : how curved strips were chosen, if they were (`optimal_strips`)
+    springs : stiffnesses of the contacts
 
     >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8))
     >>> rest.document()["format"], len(rest.metrics()["worst"]["point"])
@@ -60,6 +63,12 @@ class Relaxed:
     departure: Departure
     seconds: dict[str, float]
     curving: CurvedStrips | None = None
+    springs: Springs = field(default_factory=Springs)
+
+    @cached_property
+    def forces(self) -> ContactForces:
+        """The force at each contact of `left`."""
+        return contact_forces(self.left.rods, self.springs)
 
     @property
     def converged(self) -> bool:
@@ -91,6 +100,7 @@ class Relaxed:
             },
             "steps": {"slide": len(self.slid.steps), "relax": len(self.left.steps)},
             "ending": self.left.ending,
+            "forces": self.forces.document(),
             **_curved_metrics(self),
         }
 
@@ -98,8 +108,35 @@ class Relaxed:
         """The contents of ``relaxed.json``: arc lengths along ribbons are what a maker measures."""
         rods, placement = self.left.rods, self.weave.placement
         points = placement.undo(self.departure.points)
-        found = at_rest(self.weave.document(), rods, points, self._normals(), placement.scale)
+        found = at_rest(self.weave.document(), rods, points, self._normals(), placement.scale, self.forces)
         return found | {"metrics": found["metrics"] | {"relax": self.metrics()}}
+
+    def fasten(self, friction: float = FRICTION) -> list[dict[str, Any]]:
+        """The crossings that need glue or a rivet, the greatest need first; the others hold by friction.
+
+        They are the fewest that suffice for this shape at rest (`ContactForces.fasten`).
+
+        Parameters
+        ----------
+        friction : coefficient of friction between two ribbons
+        """
+        rods, unit = self.left.rods, self.weave.placement.scale**2 / self.left.rods.material.young
+        layout, names = rods.layout, self.weave.names
+        number = crossings_at_rest(rods.contacts)
+        found = []
+        for contact in self.forces.fasten(friction).tolist():
+            pair, share = rods.contacts.segments[contact], rods.contacts.places[contact]
+            ends = self.departure.points[layout.ends[pair]]
+            place = (ends[:, 0] + share[:, None] * (ends[:, 1] - ends[:, 0])).mean(axis=0)
+            found.append(
+                {
+                    "crossing": number[contact],
+                    "ribbons": [names[r] for r in layout.rod_of_segment[pair]],
+                    "point": self.weave.placement.undo(place[None])[0].tolist(),
+                    **self.forces.of_contact(contact, unit)["force"],
+                }
+            )
+        return found
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write ``relaxed.json``, whole or not at all."""
@@ -170,9 +207,9 @@ def relax(
     True
     """
     clock = time.perf_counter()
-    start = weave.cut
+    start, stiff = weave.cut, springs or Springs()
     left = relax_rods(
-        start, springs=springs, stepping=stepping, fixed=weave.fixed, gravity=gravity, callback=callback
+        start, springs=stiff, stepping=stepping, fixed=weave.fixed, gravity=gravity, callback=callback
     )
     after = time.perf_counter()
     away = departure(left.rods, start, weave.weave.mesh, placed=bool(weave.fixed.any()))
@@ -183,7 +220,7 @@ def relax(
     }
     if weave.curving is not None:
         seconds["curve"] = weave.curving_seconds
-    return Relaxed(weave.weave, weave.designed, weave.slid, left, away, seconds, weave.curving)
+    return Relaxed(weave.weave, weave.designed, weave.slid, left, away, seconds, weave.curving, stiff)
 
 
 def relaxed_weave(

@@ -14,12 +14,13 @@ from geoweave import documents
 from geoweave.arrays import Scalars, Vectors, frozen
 from geoweave.documents import read_json
 from geoweave.errors import GeoweaveError, WeaveFileError
+from geoweave.rods.contact_forces import ContactForces
 from geoweave.rods.from_ribbons import FINENESS, rods_of_polylines
 from geoweave.rods.natural_curvature import curvature_knots, natural_of_strips
-from geoweave.rods.rods import Material, Rods
+from geoweave.rods.rods import Contacts, Material, Rods
 from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, FlatCurve, Passages, check_curvature
 
-__all__ = ["WovenRods", "at_rest", "read_weave", "rods_of_document"]
+__all__ = ["WovenRods", "at_rest", "crossings_at_rest", "read_weave", "rods_of_document"]
 
 YOUNG = 1e8
 """Young's modulus of ribbons on a model of bounding radius 1, that of the paper's cone."""
@@ -186,7 +187,12 @@ def rods_of_document(document: Mapping[str, Any], name: str = "weave.json") -> W
 
 
 def at_rest(
-    document: Mapping[str, Any], rods: Rods, points: Vectors, normals: Vectors, unit: float
+    document: Mapping[str, Any],
+    rods: Rods,
+    points: Vectors,
+    normals: Vectors,
+    unit: float,
+    forces: ContactForces | None = None,
 ) -> dict[str, Any]:
     """Return a weave with its ribbons in the shape of rods; arc lengths are those at rest.
 
@@ -196,6 +202,7 @@ def at_rest(
     rods : its ribbons as rods, one each
     points, normals : (V, 3) vertices and thickness directions of the rods, in the document's unit
     unit : the document's unit of length over that of the rods
+    forces : at the contacts of the rods, if they are known
 
     Returns
     -------
@@ -203,6 +210,8 @@ def at_rest(
         The contents of ``relaxed.json``. ``designed`` of a crossing is how far along its two ribbons it is in
         the design, so that their order can be compared. ``curvature`` of a ribbon that is cut curved lists
         places along it and the curvature of its strip there, left is positive; it is linear in between.
+        ``force`` of a crossing is for a Young's modulus of 1: in newtons per N/mm2 if the document is in mm;
+        its ``friction`` is null where ribbons are pulled apart.
     """
     layout, contacts = rods.layout, rods.contacts
     before = np.cumsum(rods.rest) - rods.rest
@@ -215,11 +224,9 @@ def at_rest(
         bend = {"curvature": knots[r]} if knots[r] else {}
         straight = {key: value for key, value in ribbon.items() if key != "curvature"}
         ribbons.append(straight | {"length": float(length * unit)} | shape | bend)
-    known, first = np.unique(contacts.group, return_index=True)
     crossings: list[dict[str, Any]] = []
-    for contact, x in sorted(zip(known.tolist(), first.tolist(), strict=True), key=lambda pair: pair[1]):
-        if contact < 0:  # a crossing of a segment with itself has no contact
-            continue
+    for contact in crossings_at_rest(contacts):
+        x = int(np.flatnonzero(contacts.group == contact)[0])
         pair, share = contacts.segments[contact], contacts.places[contact]
         ends = layout.ends[pair]
         both = points[ends[:, 0]] + share[:, None] * (points[ends[:, 1]] - points[ends[:, 0]])
@@ -236,8 +243,23 @@ def at_rest(
             "over": names[over],
             "over_index": over,
         }
-        crossings.append(document["crossings"][x] | changed)
+        if forces is not None:
+            changed |= forces.of_contact(contact, unit**2 / rods.material.young)
+        # What was relaxed before had other forces.
+        before = {key: v for key, v in document["crossings"][x].items() if key not in ("force", "fasten")}
+        crossings.append(before | changed)
     return {**document, "ribbons": ribbons, "crossings": crossings}
+
+
+def crossings_at_rest(contacts: Contacts) -> dict[int, int]:
+    """Number of each contact among the crossings of ``relaxed.json``, by contact and in their order.
+
+    A contact comes at the place of the first crossing that it stands for. A crossing of a segment with itself
+    has no contact.
+    """
+    known, first = np.unique(contacts.group, return_index=True)
+    order = known[np.argsort(first)]
+    return {int(contact): number for number, contact in enumerate(order[order >= 0])}
 
 
 def _designed(group: Sequence[Mapping[str, Any]], ribbons: Sequence[int]) -> list[float]:

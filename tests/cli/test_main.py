@@ -336,6 +336,12 @@ def test_weave_relaxes_unless_told_not_to(run, ball, tmp_path):
     )
     assert report["relax"]["converged"]
     assert relaxed["metrics"]["relax"] == report["relax"]
+    # what needs a fastener is said in the table, in the report and of the crossings themselves
+    forces = report["relax"]["forces"]
+    assert len(report["fasten"]) == forces["fasten"]
+    marked = [each["id"] for each in relaxed["crossings"] if each["fasten"]]
+    assert sorted(each["crossing"] for each in report["fasten"]) == marked
+    assert f"{forces['contacts'] - forces['fasten']} of {forces['contacts']} crossings" in out
     # a later run into the same folder leaves nothing there that is not of it, and what is not geoweave's
     (tmp_path / "woven" / "photo.jpg").write_text("mine")
     status, out, _ = run(*ask, "--no-relax", "--json", "-o", tmp_path / "woven")

@@ -439,3 +439,20 @@ def test_turning_and_nearing(chromium: Any, pages: dict[str, Path]) -> None:
         ground = lambda shown: (np.ptp(shown.astype(int), axis=2) > 30).mean()  # noqa: E731
         assert ground(it.picture("#canvas")) > ground(turned)
         assert it.errors == []
+
+
+def test_a_crossing_that_friction_does_not_hold_is_to_be_glued(chromium: Any, tmp_path: Path) -> None:
+    """The weave at rest marks it; the page says so at this crossing and at no other."""
+    woven = flat()
+    marked = dict(woven) | {
+        "crossings": [dict(each) | {"fasten": x == 1} for x, each in enumerate(woven["crossings"])]
+    }
+    (tmp_path / "glued.html").write_text(guide_html(patterns()["flat"], marked), encoding="utf-8")
+    with opened(chromium, tmp_path / "glued.html") as it:
+        steps = it.do("guide.plan.steps.map((s) => s.passage ? s.passage.crossing : -1)")
+        told = []
+        for k, crossing in enumerate(steps):
+            it.do(f"guide.go({k})")
+            if "Glue or rivet it" in it.page.inner_text("body"):
+                told.append(crossing)
+    assert told == [1]

@@ -13,7 +13,7 @@ from geoweave.rods.elastic_energies import edgewise_bending
 from geoweave.rods.equilibrium import Stepping, minimized
 from geoweave.rods.from_ribbons import rods_of_file
 from geoweave.rods.rod_file import read_rods
-from geoweave.rods.rods import DERIVED, Contacts, Material
+from geoweave.rods.rods import DERIVED, Contacts
 from geoweave.rods.slide_and_relax import (
     Springs,
     relax_rods,
@@ -24,6 +24,7 @@ from geoweave.rods.slide_and_relax import (
 from geoweave.surface.closest_point import closest_points, triangle_tree
 
 PEER = Path(__file__).resolve().parents[3] / "shared" / "peer"
+
 
 def test_contacts_of_the_three_rings_are_where_they_cross():
     rods = three_great_circles()

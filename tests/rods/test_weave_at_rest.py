@@ -106,3 +106,33 @@ def test_step_by_step_is_the_one_call() -> None:
     np.testing.assert_array_equal(by_steps.left.rods.points, at_once.left.rods.points)
     assert by_steps.departure.to_surface == at_once.departure.to_surface
     assert by_steps.seconds.keys() == at_once.seconds.keys()
+
+
+def test_what_needs_a_fastener_is_listed_with_its_place_and_force() -> None:
+    """Greatest need first; numbers of crossings, places and forces are those of relaxed.json."""
+    found = relaxed()
+    document, listed = found.document(), found.fasten()
+    assert found.metrics()["forces"]["fasten"] == len(listed) > 0
+    assert [each["id"] for each in document["crossings"]] == list(range(len(document["crossings"])))
+    lacks = []
+    for each in listed:
+        crossing = document["crossings"][each["crossing"]]
+        assert crossing["fasten"]
+        assert each["point"] == pytest.approx(crossing["point"])
+        assert each["ribbons"] == [found.weave.names[r] for r in crossing["ribbons"]]
+        assert {name: each[name] for name in ("separation", "sliding", "friction")} == crossing["force"]
+        assert each["friction"] is None or each["friction"] > 0.3
+        lacks.append(each["sliding"] + 0.3 * each["separation"])
+    assert lacks == sorted(lacks, reverse=True)
+    assert sum(each["fasten"] for each in document["crossings"]) == len(listed)
+    assert len(found.fasten(100.0)) < len(listed)
+
+
+def test_forces_scale_with_the_area() -> None:
+    """The same weave twice as large: the forces for a Young's modulus of one are four times as large."""
+    double = relaxed_weave(cone().sized(200.0))
+    one, two = (each.document()["crossings"] for each in (relaxed(), double))
+    sliding = np.array(
+        [[a["force"]["sliding"], b["force"]["sliding"]] for a, b in zip(one, two, strict=True)]
+    )
+    np.testing.assert_allclose(sliding[:, 1], 4 * sliding[:, 0], rtol=1e-3, atol=1e-3 * sliding.max())
