@@ -286,8 +286,9 @@ def optimal_strips(
 
     Minimises half the mean squared distance of the vertices at rest from the surface, after the best rigid
     fit, in squared diagonals, with a small term for smoothness and, with `Fitting.hold`, one for the forces
-    that friction must bear. Each trial relaxes from the last shape at rest. Some weaves have several shapes at rest, and the one that was followed may not be the one that is
-    reached from the surface. So the last trials are relaxed anew from the start, and the best is returned.
+    that friction must bear. Each trial relaxes from the last shape at rest. Some weaves have several shapes
+    at rest, and the one that was followed may not be the one that is reached from the surface. So the last
+    trials are relaxed anew from the start, and the best is returned.
 
     Parameters
     ----------

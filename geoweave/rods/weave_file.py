@@ -246,8 +246,8 @@ def at_rest(
         if forces is not None:
             changed |= forces.of_contact(contact, unit**2 / rods.material.young)
         # What was relaxed before had other forces.
-        before = {key: v for key, v in document["crossings"][x].items() if key not in ("force", "fasten")}
-        crossings.append(before | changed)
+        woven = {key: v for key, v in document["crossings"][x].items() if key not in ("force", "fasten")}
+        crossings.append(woven | changed)
     return {**document, "ribbons": ribbons, "crossings": crossings}
 
 

@@ -132,7 +132,5 @@ def test_forces_scale_with_the_area() -> None:
     """The same weave twice as large: the forces for a Young's modulus of one are four times as large."""
     double = relaxed_weave(cone().sized(200.0))
     one, two = (each.document()["crossings"] for each in (relaxed(), double))
-    sliding = np.array(
-        [[a["force"]["sliding"], b["force"]["sliding"]] for a, b in zip(one, two, strict=True)]
-    )
-    np.testing.assert_allclose(sliding[:, 1], 4 * sliding[:, 0], rtol=1e-3, atol=1e-3 * sliding.max())
+    first, second = (np.array([each["force"]["sliding"] for each in some]) for some in (one, two))
+    np.testing.assert_allclose(second, 4 * first, rtol=1e-3, atol=1e-3 * second.max())
