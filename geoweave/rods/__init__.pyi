@@ -1,9 +1,9 @@
-from .contact_forces import (
+from .contact_order import Changes as Changes, order_changes as order_changes, positions as positions
+from .crossing_forces import (
     FRICTION as FRICTION,
     ContactForces as ContactForces,
     contact_forces as contact_forces,
 )
-from .contact_order import Changes as Changes, order_changes as order_changes, positions as positions
 from .curved_weave import STRIPS as STRIPS, StripKind as StripKind, curved as curved
 from .departure import (
     Distances as Distances,

@@ -10,8 +10,8 @@ import numpy as np
 
 from geoweave.arrays import Scalars
 from geoweave.rods.contact_energies import contact_position
-from geoweave.rods.contact_forces import contact_forces
 from geoweave.rods.contact_order import gaps_of
+from geoweave.rods.crossing_forces import contact_forces
 from geoweave.rods.rods import Rods
 from geoweave.rods.slide_and_relax import Springs
 

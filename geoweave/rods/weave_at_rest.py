@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from geoweave.arrays import Vectors
 from geoweave.files import replacing
-from geoweave.rods.contact_forces import FRICTION, ContactForces, contact_forces
+from geoweave.rods.crossing_forces import FRICTION, ContactForces, contact_forces
 from geoweave.rods.curved_weave import StripKind, curved
 from geoweave.rods.departure import Departure, departure, held
 from geoweave.rods.equilibrium import Equilibrium, Step, Stepping

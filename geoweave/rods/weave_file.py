@@ -14,7 +14,7 @@ from geoweave import documents
 from geoweave.arrays import Scalars, Vectors, frozen
 from geoweave.documents import read_json
 from geoweave.errors import GeoweaveError, WeaveFileError
-from geoweave.rods.contact_forces import ContactForces
+from geoweave.rods.crossing_forces import ContactForces
 from geoweave.rods.from_ribbons import FINENESS, rods_of_polylines
 from geoweave.rods.natural_curvature import curvature_knots, natural_of_strips
 from geoweave.rods.rods import Contacts, Material, Rods

@@ -3,7 +3,7 @@ import pytest
 from rodded import crumpled, grid, three_great_circles
 
 from geoweave.models.shapes import sphere
-from geoweave.rods.contact_forces import contact_forces
+from geoweave.rods.crossing_forces import contact_forces
 from geoweave.rods.holding_at_rest import HoldingAtRest, interlacing_force
 from geoweave.rods.slide_and_relax import Springs, relax_rods
 from geoweave.rods.strip_fitting import Fitting, optimal_strips

@@ -6,7 +6,7 @@ from rodded import bar, crumpled, rods_of, three_great_circles
 
 from geoweave.errors import RodError
 from geoweave.rods.contact_energies import contact_position
-from geoweave.rods.contact_forces import ContactForces, contact_forces
+from geoweave.rods.crossing_forces import ContactForces, contact_forces
 from geoweave.rods.elastic_energies import elastic_terms
 from geoweave.rods.rods import Contacts
 from geoweave.rods.slide_and_relax import Springs, relax_rods, relaxing_terms
