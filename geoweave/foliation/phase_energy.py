@@ -19,9 +19,6 @@ from geoweave.foliation.triples import Triples
 LEAST_COSINE = 0.1
 """The quadratic model of ``1 - cos`` stays at least so convex."""
 
-ROUNDS = 3
-"""How often the constants of the components are set, each to the best beside the others."""
-
 
 class PhaseModel(NamedTuple):
     """A convex quadratic model of the energy of the phase at one theta and s."""
@@ -126,14 +123,21 @@ class PhaseEnergy:
         """Turn theta by a constant on each component on which that is free, to the best phase of all.
 
         Eq. 8 does not change by it. On a component that is its own antipode there is no such constant.
+        Components that share their places share the turn too, so that their numbers decide nothing.
         """
-        m, free = self.triples.ribbons, ~self.mesh.bundle.twisted_components
-        component, theta = self.mesh.vertex_components, theta.copy()
-        for _ in range(ROUNDS):
-            for number in np.flatnonzero(free):
-                slope = (self.signs * (component[self.vertices] == number)).sum(axis=1)
-                once = np.abs(slope) == 1
-                turned = m * slope[once] * self.phase(theta)[once]
-                best = -np.angle(np.sum(self.mass[once] * np.exp(1j * turned))) / m
-                theta[component == number] += best
-        return theta
+        m, component = self.triples.ribbons, self.mesh.vertex_components
+        free = np.flatnonzero(~self.mesh.bundle.twisted_components)
+        slopes = np.zeros((len(self.mass), len(free)))
+        for place, c in enumerate(free):
+            slopes[:, place] = (self.signs * (component[self.vertices] == c)).sum(axis=1)
+        constants = np.zeros(self.mesh.n_components)
+        for group in np.unique(self.triples.groups[free]):
+            own = self.triples.groups[free] == group
+            kinds, kind = np.unique(slopes[:, own], axis=0, return_inverse=True)
+            phase = self.mass * np.exp(1j * m * self.phase(theta))
+            total = np.bincount(kind.ravel(), phase.real) + 1j * np.bincount(kind.ravel(), phase.imag)
+            # The smallest turns that bring the mean phase of each kind of place to zero.
+            weight = np.sqrt(np.abs(total))
+            turn = np.linalg.lstsq(weight[:, None] * kinds, -weight * np.angle(total) / m)[0]
+            constants[free[own]] = turn
+        return np.asarray(theta + constants[component])

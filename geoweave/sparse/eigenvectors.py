@@ -76,23 +76,29 @@ class _Krylov:
         self.diagonal: list[float] = []
         self.beside: list[float] = []
         self.value, self.weights = 0.0, np.ones(1)
+        self.settled = False
 
     @property
     def last(self) -> NDArray[Any]:
-        """The direction whose image is wanted, zero when there is no other."""
-        return self.basis[self.count - 1] if self.count > len(self.diagonal) else 0.0 * self.basis[0]
+        """The direction whose image is wanted, zero when no other is."""
+        return 0.0 * self.basis[0] if self.settled else self.basis[self.count - 1]
 
     @property
     def ritz_vector(self) -> NDArray[Any]:
-        """The eigenvector as it is known."""
-        vector = self.weights @ self.basis[: len(self.weights)]
+        """The eigenvector as it is known, of its two signs the one nearer to the start."""
+        weights = self.weights * np.copysign(1.0, self.weights[0])
+        vector = weights @ self.basis[: len(weights)]
         return np.asarray(vector / np.linalg.norm(vector))
 
     def extended(self, image: NDArray[Any], tolerance: float) -> bool:
-        """Add the image of the last direction; return whether the largest Ritz pair has settled."""
-        count = self.count
-        if count == len(self.diagonal):
+        """Add the image of the last direction; return whether the largest Ritz pair has settled.
+
+        It is left alone then. Of a multiple eigenvalue the start has only one eigenvector in it; rounding
+        would bring in others.
+        """
+        if self.settled:
             return True
+        count = self.count
         basis = self.basis[:count]
         self.diagonal.append(float((basis[-1].conj() @ image).real))
         for _ in range(2):  # once is not orthogonal enough
@@ -101,10 +107,12 @@ class _Krylov:
         values, vectors = eigh_tridiagonal(self.diagonal, self.beside[: count - 1])
         self.value, self.weights = float(values[-1]), np.asarray(vectors[:, -1], dtype=np.float64)
         if length <= EXHAUSTED * abs(self.value) or count == len(image):
+            self.settled = True
             return True
         self.beside.append(length)
         if count == len(self.basis):
             self.basis = np.concatenate([self.basis, np.empty_like(self.basis)])
         self.basis[count] = image / length
         self.count += 1
-        return bool(length * abs(self.weights[-1]) <= tolerance * self.value)
+        self.settled = bool(length * abs(self.weights[-1]) <= tolerance * self.value)
+        return self.settled

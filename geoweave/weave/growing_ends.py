@@ -8,7 +8,7 @@ import numpy as np
 
 from geoweave.arrays import Flags, Indices, Scalars
 from geoweave.curves import Crossings, Curves, crossings, stretches
-from geoweave.weave.ribbon_ends import extended, holding, on_boundary
+from geoweave.weave.ribbon_ends import ROUNDING, extended, holding, on_boundary
 
 __all__ = ["Growth", "lengthened"]
 
@@ -40,7 +40,9 @@ class Growth(NamedTuple):
     def of(cls, longer: Curves, spans: Scalars, met: Crossings, shallowest: float) -> Growth:
         """Prepare extended curves; ``shallowest`` is the least angle of a crossing that holds, degrees."""
         low, high = spans[met.curves, 0], spans[met.curves, 1]
-        beyond = np.maximum(np.maximum(low - met.arclength, met.arclength - high), 0.0)
+        beyond = np.maximum(low - met.arclength, met.arclength - high)
+        # What lies within rounding of the last point of the given part lies in it.
+        beyond = np.where(beyond > ROUNDING * longer.mesh.mean_edge, beyond, 0.0)
         ends = 2 * met.curves + (met.arclength > high)
         return cls(longer, spans, met, holding(met, shallowest), beyond, ends)
 

@@ -155,7 +155,9 @@ def _through(
 ) -> Curve | None:
     """The best geodesic through the middle of a face, nothing if no direction serves."""
     mesh, count = curves.mesh, 2 * DIRECTIONS
-    turn = np.pi * np.arange(count) / DIRECTIONS
+    # From the longest side on: the shape of the face decides, not which of its corners is the first.
+    sides = mesh.halfedge_vectors[face]
+    turn = np.angle(sides[np.abs(sides).argmax()]) + np.pi * np.arange(count) / DIRECTIONS
     first, second = mesh.frames[face]
     ways = np.cos(turn)[:, None] * first + np.sin(turn)[:, None] * second
     lines = straightest(mesh, np.full(count, face), ways, reach)

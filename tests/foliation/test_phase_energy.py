@@ -63,3 +63,9 @@ def test_the_constant_of_a_component_is_free_and_set_to_the_best_phase() -> None
     energy, theta = flat(1.1)
     assert energy.order(theta) < 0
     assert energy.order(energy.aligned(theta)) == pytest.approx(1.0)
+
+
+def test_components_over_one_place_share_the_turn() -> None:
+    """A third of it each, so that the numbers of the components decide nothing."""
+    energy, theta = flat(1.1)
+    np.testing.assert_allclose(energy.aligned(theta) - theta, -1.1 / 3, atol=1e-9)

@@ -62,6 +62,17 @@ def test_of_a_multiple_eigenvalue_the_eigenvector_nearest_to_the_start_is_found(
     np.testing.assert_allclose(u, nearest / np.sqrt(mass @ nearest**2), atol=1e-9)
 
 
+def test_a_group_that_has_settled_is_left_alone_while_another_goes_on():
+    """Its eigenvalue is double: more steps would bring in the other eigenvector by rounding."""
+    small, hard = np.diag([1.0, 1.0, 3.0, 3.0]), np.concatenate([[1.0, 1.0001], np.linspace(1.1, 9.0, 58)])
+    matrix, mass = spectrum(hard)
+    groups = np.repeat([0, 1], [4, 60])
+    start = np.random.default_rng(5).normal(size=64)
+    whole = sparse.block_diag([small, matrix])
+    _, u = solved(whole, np.concatenate([np.ones(4), mass]), start, groups)
+    np.testing.assert_allclose(u[:2], start[:2] / np.linalg.norm(start[:2]), atol=1e-9)
+
+
 def test_what_does_not_settle_is_refused(monkeypatch):
     monkeypatch.setattr("geoweave.sparse.eigenvectors.STEPS", 3)
     matrix, mass = spectrum(np.linspace(1.0, 1.1, 60))

@@ -10,6 +10,7 @@ from geoweave.curves.curve_crossings import crossings
 from geoweave.curves.curves import Curves
 from geoweave.curves.nearest_curve import nearest_curves
 from geoweave.curves.stretch import stretches
+from geoweave.surface.mesh import TriMesh
 from geoweave.weave.infill import Filling, bridged, filled
 from geoweave.weave.ribbon_ends import off_ideal
 
@@ -60,6 +61,17 @@ def test_each_new_one_is_told_which_it_runs_along() -> None:
     for c, other in zip(range(given, len(curves)), laid_through.along.tolist(), strict=True):
         one, two = (curves[k].points[-1] - curves[k].points[0] for k in (c, other))
         assert abs(one @ two) > np.cos(np.radians(31)) * np.linalg.norm(one) * np.linalg.norm(two)
+
+
+def test_the_first_corner_of_a_face_does_not_decide_where_they_go() -> None:
+    hole = torn(0.35)
+    mesh = hole.mesh
+    first = np.random.default_rng(0).integers(3, size=mesh.n_faces)
+    corners = (first[:, None] + np.arange(3)) % 3
+    same = TriMesh(mesh.vertices, mesh.faces[np.arange(mesh.n_faces)[:, None], corners])
+    moved = Curves(same, hole.points, hole.faces, hole.turning, hole.sliding, hole.offsets, hole.closed)
+    one, other = (filled(each, SPACING, ASKED).curves for each in (hole, moved))
+    np.testing.assert_allclose(one.points, other.points, atol=1e-9)
 
 
 def test_a_weave_without_bare_places_is_left_as_it_is() -> None:
