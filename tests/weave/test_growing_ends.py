@@ -57,12 +57,12 @@ def test_an_end_goes_on_as_far_as_another_needs_it() -> None:
 
 @pytest.mark.parametrize("rounding", [-1e-13, 0.0, 1e-13])
 def test_rounding_does_not_decide_whether_an_end_touches_a_line(rounding: float) -> None:
-    """It ends on the first line, and what touches that line goes on to the second one like what crosses it."""
+    """It ends on the first line; what touches a line goes on to the next one, like what crosses it."""
     lines = lines_on_square((-0.85, 0.0, 0.0, 0.0), (0.0, -0.5, 0.0, 0.5), (0.3, -0.5, 0.3, 0.5), *RAIL)
     longer, spans = extended(lines, 0.5)
     met = crossings(longer)
     spans[0, 1] += rounding
-    start, end = Growth.of(longer, spans, met, 40.0).grown(np.ones(len(longer), dtype=bool), TAIL)
+    _, end = Growth.of(longer, spans, met, 40.0).grown(np.ones(len(longer), dtype=bool), TAIL)
     assert end[0] == pytest.approx(1.3 + TAIL, abs=1e-9)
 
 
