@@ -72,7 +72,7 @@ bench: $(STAMP) ## speed, memory and growth, as multiples of the limit
 replicate: $(STAMP) ## draw Fig. 7 into build/ and compare its numbers with the committed ones
 	@$(PY) scripts/replicate.py
 
-report: $(STAMP) ## write the claims into README.md, times and memory into REPRODUCING.md
+report: $(STAMP) ## write the claims into docs/results.md, times and memory into REPRODUCING.md
 	@$(PY) -m geoweave.artifact.figures report
 
 site: $(STAMP) ## write the notebooks as pages for a browser, without a network: build/site/index.html

@@ -1,4 +1,4 @@
-"""What the paper claims, what checks it, and the table of claims in the README.
+"""What the paper claims, what checks it, and the table of claims in docs/results.md.
 
 ``tests/claims/claims.toml`` holds one ``[[claim]]`` for each measurable sentence of the paper::
 
@@ -13,7 +13,7 @@
     ours = "{angle:.1f}° off"              # filled from each of those rows
 
 Our numbers are never written in this file. They are read from the tables that the notebooks publish, so the
-README cannot keep an old number.
+page cannot keep an old number.
 """
 
 from __future__ import annotations
@@ -151,7 +151,7 @@ def _value(claim: Claim, row: Mapping[str, str], place: re.Match[str]) -> str:
 
 
 def table(root: Path) -> list[str]:
-    """Lines of Markdown: the claims with a number or wording to compare, the paper's beside ours.
+    """Lines of Markdown for docs/results.md: every claim, with the paper's number and ours if it has one.
 
     Raises
     ------
@@ -160,15 +160,14 @@ def table(root: Path) -> list[str]:
     """
     claims = read(root)
     lines = [
-        f"All {len(claims)} claims with their tests: [{LIST.name}]({LIST.as_posix()}).",
+        f"All {len(claims)} claims, as they stand with their tests in [{LIST.name}](../{LIST.as_posix()}).",
         "",
         "| section | claim | paper | here | checked by |",
         "|---|---|---|---|---|",
     ]
     for claim in claims:
-        if claim.paper or claim.ours:
-            files = dict.fromkeys(test.partition("::")[0] for test in claim.tests)
-            links = ", ".join(f"[{Path(file).stem}]({file})" for file in files)
-            cells = (claim.section, claim.says, claim.paper, ours(root, claim), links)
-            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        files = dict.fromkeys(test.partition("::")[0] for test in claim.tests)
+        links = ", ".join(f"[{Path(file).stem}](../{file})" for file in files)
+        cells = (claim.section, claim.says, claim.paper, ours(root, claim), links)
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return lines

@@ -38,7 +38,7 @@ UNRELATED = frozenset(
 """Files and folders of the package that no notebook imports: a change in them leaves figures as they are."""
 
 CLAIMS = ("<!-- claims: written by make report -->", "<!-- end of claims -->")
-"""The lines of README.md between which the table of claims stands."""
+"""The lines of docs/results.md between which the table of claims stands."""
 
 TIMES = ("<!-- times: written by make report -->", "<!-- end of times -->")
 """The lines of REPRODUCING.md between which the table of times stands."""
@@ -225,7 +225,7 @@ def report(root: Path | None = None) -> int:
 
 
 def report_claims(root: Path | None = None) -> None:
-    """Write the table of claims, paper beside ours, into README.md.
+    """Write the table of claims, paper beside ours, into docs/results.md.
 
     Raises
     ------
@@ -233,7 +233,7 @@ def report_claims(root: Path | None = None) -> None:
         if a claim cannot be read, or if the lines that mark the table are gone.
     """
     root = repository() if root is None else root.resolve()
-    _insert(root / "README.md", CLAIMS, claims.table(root))
+    _insert(root / "docs" / "results.md", CLAIMS, claims.table(root))
 
 
 def _insert(page: Path, marks: tuple[str, str], lines: Sequence[str]) -> None:
@@ -329,7 +329,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True)
     figures = commands.add_parser("figures", help="write figures/ from the notebooks that are stale")
     stored = commands.add_parser("refresh", help="store fresh outputs in notebooks/")
-    commands.add_parser("report", help="write the claims into README.md, times into REPRODUCING.md")
+    commands.add_parser("report", help="write the claims into docs/results.md, times into REPRODUCING.md")
     for command in (figures, stored):
         command.add_argument("names", nargs="*")
         command.add_argument("--jobs", type=int, default=1)

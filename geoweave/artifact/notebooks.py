@@ -271,38 +271,53 @@ def _words(root: Path) -> dict[str, dict[str, str]]:
 
 
 def figures_index(root: Path) -> str:
-    """Markdown of ``figures/INDEX.md``: every figure there is, with its notebook, profile and numbers."""
-    words, taken = _words(root), times(root)
+    """Markdown of ``figures/INDEX.md``: every figure there is, a row each, both profiles side by side."""
+    words = _words(root)
     lines = [
         "# Figures",
         "",
-        "Written by `make figures` from the notebooks; not edited by hand. Seconds are those of the notebook",
-        "(REPRODUCING.md). Where a surface stands in for one of the paper's, the second column says so.",
+        "Written by `make figures` from the notebooks; not edited by hand. The default profile needs no",
+        "network. The paper profile shows the paper's own surfaces at full quality. Where a surface stands",
+        "in for one of the paper's, the first column says so. Times: [REPRODUCING.md](../REPRODUCING.md).",
         "",
-        "| figure | what it is, and of which surface | notebook | profile | seconds | numbers |",
-        "|---|---|---|---|---:|---|",
+        "| figure | default profile | paper profile |",
+        "|---|---|---|",
     ]
-    folder = root / "figures"
     for name in names(root):
         notebook = read(path_of(root, name))
-        caption = heading(notebook).replace("|", "\\|")
-        if surface := words.get("surfaces", {}).get(name, ""):
-            caption += f"<br>{surface}"
-        for figure in published(notebook):
-            for profile in PROFILES:
-                base = figure if profile == "default" else f"{profile}/{figure}"
-                files = {end: (folder / f"{base}.{end}").is_file() for end in ("png", "csv", "json")}
-                if not any(files.values()):
-                    continue
-                alt = _alt(folder / f"{base}.json") if files["json"] else ""
-                picture = f'<img src="{base}.png" alt="{alt or figure}" width="320">'
-                if not files["png"]:
-                    picture = figure
-                numbers = ", ".join(f"[{end}]({base}.{end})" for end in ("csv", "json") if files[end])
-                seconds, _ = taken.get((name, profile), ("", ""))
-                place = f"[{name}](../notebooks/{name}.ipynb)"
-                lines.append(f"| {picture} | {caption} | {place} | {profile} | {seconds} | {numbers} |")
+        title = heading(notebook).replace("|", "\\|")
+        surface = words.get("surfaces", {}).get(name, "")
+        figures = published(notebook)
+        for figure in figures:
+            cells = _profiles_side_by_side(root / "figures", figure)
+            if not any(cells):
+                continue
+            caption = f"[{title}](../notebooks/{name}.ipynb)"
+            if len(figures) > 1:
+                caption += f"<br>`{figure}`"
+            caption += f"<br>{surface}" if surface else ""
+            lines.append(f"| {caption} | {' | '.join(cells)} |")
     if missing := words.get("not_computed", {}):
         lines += ["", "Not computed:", ""]
         lines += [f"- {what}: {why}." for what, why in missing.items()]
     return "\n".join(lines) + "\n"
+
+
+def _profiles_side_by_side(folder: Path, figure: str) -> list[str]:
+    """What there is of a figure in each profile: the picture with links to its numbers, or nothing."""
+    cells: list[str] = []
+    first = b""
+    for profile in PROFILES:
+        base = figure if profile == "default" else f"{profile}/{figure}"
+        files = {end: folder / f"{base}.{end}" for end in ("png", "csv", "json")}
+        numbers = ", ".join(f"[{end}]({base}.{end})" for end in ("csv", "json") if files[end].is_file())
+        cell = ""
+        if files["png"].is_file():
+            picture = files["png"].read_bytes()
+            alt = _alt(files["json"]) if files["json"].is_file() else ""
+            cell = f'<img src="{base}.png" alt="{alt or figure}" width="320">'
+            if picture and picture == first:
+                cell = "the same picture"
+            first = first or picture
+        cells.append("<br>".join(part for part in (cell, numbers) if part))
+    return cells

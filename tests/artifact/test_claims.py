@@ -39,19 +39,20 @@ def test_entries_are_read_and_numbers_filled_in(tmp_path):
     assert ours(root, second) == ""
 
 
-def test_the_table_shows_what_can_be_compared(tmp_path):
+def test_the_table_shows_every_claim(tmp_path):
     lines = table(checkout(tmp_path, ENTRY + PLAIN))
     assert lines[0].startswith("All 2 claims")
-    assert lines[-1] == (
+    assert lines[-2] == (
         "| 4.1 | it is \\| fast | 3 s | 2.0 s for cow, 4.0 s for cow | "
-        "[test_a](tests/claims/test_a.py), [fig01_c](notebooks/fig01_c.ipynb) |"
+        "[test_a](../tests/claims/test_a.py), [fig01_c](../notebooks/fig01_c.ipynb) |"
     )
-    assert len(lines) == 5
+    assert len(lines) == 6
 
 
 def test_it_is_written_between_its_marks(tmp_path):
     root = checkout(tmp_path, ENTRY)
-    page = root / "README.md"
+    page = root / "docs" / "results.md"
+    page.parent.mkdir()
     page.write_text("before\n" + figures.CLAIMS[0] + "\nold\n" + figures.CLAIMS[1] + "\nafter\n")
     figures.report_claims(root)
     once = page.read_text()
@@ -62,7 +63,7 @@ def test_it_is_written_between_its_marks(tmp_path):
     assert "2.0 s for cow" in once
     assert "old" not in once
     page.write_text("no marks")
-    with pytest.raises(GeoweaveError, match=r"README\.md must hold"):
+    with pytest.raises(GeoweaveError, match=r"results\.md must hold"):
         figures.report_claims(root)
 
 

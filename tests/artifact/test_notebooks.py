@@ -197,14 +197,13 @@ class TestTheReaders:
         words = '[surfaces]\nfig00_slug = "a cow"\n[not_computed]\n"Fig. 9" = "a photograph"\n'
         (tmp_path / "notebooks" / "index.toml").write_text(words)
         (tmp_path / "REPRODUCING.md").write_text("| fig00_slug | paper | 12 | 345 |\n")
-        rows = notebooks.figures_index(tmp_path).splitlines()[7:]
-        link = "[fig00_slug](../notebooks/fig00_slug.ipynb)"
+        rows = notebooks.figures_index(tmp_path).splitlines()[8:]
         alt = "a &quot;cow&quot; &#124; here"
         picture = f'<img src="fig00.png" alt="{alt}" width="320">'
         numbers = "[csv](fig00.csv), [json](fig00.json)"
+        title = "[Fig. 0 \\| a *title*](../notebooks/fig00_slug.ipynb)<br>`fig00`<br>a cow"
         assert rows == [
-            f"| {picture} | Fig. 0 \\| a *title*<br>a cow | {link} | default |  | {numbers} |",
-            f"| fig00 | Fig. 0 \\| a *title*<br>a cow | {link} | paper | 12 | [csv](paper/fig00.csv) |",
+            f"| {title} | {picture}<br>{numbers} | [csv](paper/fig00.csv) |",
             "",
             "Not computed:",
             "",
