@@ -63,6 +63,7 @@ from .pipeline import (
     WeaveRequest as WeaveRequest,
     WovenFiles as WovenFiles,
     cut_folder as cut_folder,
+    edit_folder as edit_folder,
     show_folder as show_folder,
     weave_file as weave_file,
 )

@@ -26,6 +26,7 @@ INTERRUPTED = 130
 COMMANDS = {
     "cut": "cut_command",
     "doctor": "artifact_commands",
+    "edit": "edit_command",
     "fetch": "artifact_commands",
     "field": "field_commands",
     "figures": "artifact_commands",

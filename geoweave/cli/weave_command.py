@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, Any
 
@@ -159,9 +160,16 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
     "-o", "output", metavar="DIR", required=True, help="Folder for the results; made if it is not there."
 )
 @weave_options
+@click.option(
+    "--edits",
+    metavar="FILE",
+    help="Changes that the page of 'geoweave show' saved of the weave with these options.",
+)
 @click.option("--strict", is_flag=True, help="Exit with status 1 if the verdict is not to cut the strips.")
 @as_json
-def weave(source: MeshSource, output: str, request: WeaveRequest, strict: bool, as_json: bool) -> None:
+def weave(
+    source: MeshSource, output: str, request: WeaveRequest, edits: str | None, strict: bool, as_json: bool
+) -> None:
     """Design a weave: ribbons along geodesics, their crossings, over and under.
 
     With a format of strips the last line is the verdict on them: "make it", "make it, but" why it is hard, or
@@ -169,6 +177,10 @@ def weave(source: MeshSource, output: str, request: WeaveRequest, strict: bool, 
     """
     from geoweave.pipeline import DO_NOT, weave_file
 
+    if edits is not None:
+        from geoweave.weave import read_edits
+
+        request = replace(request, edits=(read_edits(edits),))
     with status() as say:
         made = weave_file(source, output, request, callback=say)
     if as_json:

@@ -2,6 +2,7 @@ from .batch import sweep as sweep
 from .cut_request import CutRequest as CutRequest
 from .cutting import CutFiles as CutFiles, cut_folder as cut_folder
 from .design import WovenFiles as WovenFiles, weave_file as weave_file
+from .editing import EditedFiles as EditedFiles, edit_folder as edit_folder
 from .field_arrays import (
     FieldOfFile as FieldOfFile,
     field_file as field_file,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from geoweave.errors import GeoweaveError
+from geoweave.errors import FieldError, GeoweaveError
 from geoweave.pipeline.pattern_twin import put_together
 from geoweave.pipeline.request import WeaveRequest
 from geoweave.pipeline.source import MeshSource, Say, silent, timed
@@ -17,7 +17,7 @@ from geoweave.pipeline.verdict import BUT, DO_NOT, Verdict, rebuilt_reasons, ver
 if TYPE_CHECKING:
     from geoweave.meshing import Prepared
     from geoweave.rods import CurvedStep, Relaxed, Step, StripKind
-    from geoweave.weave import Inspection, Weave
+    from geoweave.weave import Edits, Inspection, Weave
 
 __all__ = ["Attempt", "attempted", "with_remedy"]
 
@@ -160,8 +160,13 @@ def _designed(
     prepared: Prepared, seed: int, request: WeaveRequest, seconds: dict[str, float], say: Say
 ) -> Weave:
     """Design a weave on a surface."""
-    from geoweave.weave import Steering, weave_pattern
+    from geoweave.weave import Steering, edited, weave_pattern
 
+    steering = Steering(request.singularities, request.merge, request.align)
+    for each in request.edits:
+        if each.steers:
+            steering = each.steering(steering, _unit(each, prepared, request))
+    changes = _changes(request)
     weave = weave_pattern(
         prepared.mesh,
         symmetry=request.symmetry,
@@ -169,11 +174,36 @@ def _designed(
         scale=request.scale,
         ribbons=request.ribbons,
         seed=seed,
-        steering=Steering(request.singularities, request.merge, request.align),
+        steering=steering,
         callback=lambda stage: say(f"weaving: {stage}"),
     )
+    for each in changes:
+        weave = edited(weave, each)
     seconds |= weave.design.seconds
     return weave
+
+
+def _changes(request: WeaveRequest) -> tuple[Edits, ...]:
+    """The edits that change ribbons or crossings; those that ask for another design have to come first."""
+    steering = [k for k, each in enumerate(request.edits) if each.steers]
+    first = steering[-1] + 1 if steering else 0
+    if any(each.changes for each in request.edits[:first]):
+        raise FieldError(
+            "ribbons were dropped or crossings flipped before, and another design has other ribbons; "
+            "edit the weave as it was before that"
+        )
+    return request.edits[first:]
+
+
+def _unit(edits: Edits, prepared: Prepared, request: WeaveRequest) -> float:
+    """Length of the unit of the edits' points in that of the mesh."""
+    import numpy as np
+
+    if edits.units == "mesh":
+        return 1.0
+    if request.size is None:
+        raise FieldError("the edits are of a weave in mm; give the object the same size, with --size MM")
+    return float(np.ptp(prepared.mesh.vertices, axis=0).max()) / request.size
 
 
 def _relaxed(weave: Weave, strips: StripKind, seconds: dict[str, float], say: Say) -> Relaxed:

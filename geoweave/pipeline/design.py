@@ -11,6 +11,7 @@ from geoweave.errors import FieldError
 from geoweave.files import checked_folder, printable
 from geoweave.pipeline.attempt import attempted, with_remedy
 from geoweave.pipeline.cut_request import CutRequest
+from geoweave.pipeline.made_from import made_from
 from geoweave.pipeline.request import WeaveRequest, formats_of
 from geoweave.pipeline.source import (
     MeshSource,
@@ -174,6 +175,7 @@ def weave_file(
             jobs, left_out = _pattern_jobs(source, request, made.weave, made.cut, cut)
             said = {} if made.cut is None else {"strips": made.cut.document()}
             said |= {} if verdict is None else {"verdict": verdict.document()}
+            said |= {"made_from": made_from(source, request)}
             files = write_weave(made.weave, target, wanted, made.inspection, made.relaxed, jobs, said)
     seconds["total"] = sum(seconds.values())
     return WovenFiles(

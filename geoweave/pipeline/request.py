@@ -12,7 +12,7 @@ from geoweave.pipeline.weave_folder import check_formats
 
 if TYPE_CHECKING:
     from geoweave.rods import StripKind
-    from geoweave.weave import Phase, Singularity
+    from geoweave.weave import Edits, Phase, Singularity
 
 __all__ = ["BOUNDS", "WeaveRequest", "formats_of"]
 
@@ -66,6 +66,8 @@ class WeaveRequest:
     """A direction, or points of a curve, that one family follows softly (`geoweave.weave.read_guide`)."""
     merge: float = 0.0
     """Pairs of singularities of opposite index no farther apart than so many spacings are merged."""
+    edits: tuple[Edits, ...] = ()
+    """What a person changed, one after the other (`geoweave.weave.read_edits`)."""
 
     def __post_init__(self) -> None:
         """Refuse what contradicts itself."""

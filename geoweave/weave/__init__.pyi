@@ -12,7 +12,13 @@ from .design import (
     weave_field as weave_field,
     weave_pattern as weave_pattern,
 )
-from .edits import design_key as design_key
+from .edits import (
+    Edits as Edits,
+    Flip as Flip,
+    design_key as design_key,
+    edited as edited,
+    read_edits as read_edits,
+)
 from .flat_curve import FlatCurve as FlatCurve, check_curvature as check_curvature
 from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged

@@ -129,6 +129,7 @@ class WeaveField:
             tried=tried,
             seconds=stages.seconds,
             met=self.met,
+            numerators=self.cover.rosy.index_numerators,
         )
         weave = _interlaced(made.ribbons, made.families, design, self.placement, effort)
         stages.begin("")
@@ -374,7 +375,9 @@ def weave_curves(
     """
     rosy = leaves.cover.rosy
     found = ribbons(leaves, family_count(rosy.degree), cutting)
-    design = Design(symmetry=rosy.degree, branch_points=frozen(rosy.branch_points))
+    design = Design(
+        symmetry=rosy.degree, branch_points=frozen(rosy.branch_points), numerators=rosy.index_numerators
+    )
     where = Similarity(np.zeros(3), 1.0)
     return _interlaced(found, frozen(leaves.families[found.origin]), design, where, effort)
 

@@ -56,6 +56,7 @@ class Design:
     tried : the scales that were tried for a number of ribbons, and how many ribbons each gave
     seconds : wall-clock seconds of each stage
     met : how far the field is what was asked of it; None if it is not known
+    numerators : (V,) index of the RoSy at each vertex, in N-ths; None where the weave was made of curves
     """
 
     symmetry: int
@@ -65,6 +66,7 @@ class Design:
     tried: tuple[tuple[float, int], ...] = ()
     seconds: dict[str, float] = field(default_factory=dict)
     met: Met | None = None
+    numerators: Indices | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -82,6 +84,7 @@ class Weave:
     design : what the ribbons come from
     placement : how the surface got where it is from the position and size in which the weave is written
     units : of the position and size in which it is written
+    kept_names : names of the ribbons, where they are kept from a weave of more ribbons
 
     Examples
     --------
@@ -99,6 +102,7 @@ class Weave:
     design: Design
     placement: Similarity
     units: Units = "mesh"
+    kept_names: tuple[str, ...] | None = None
 
     @property
     def mesh(self) -> TriMesh:
@@ -154,7 +158,7 @@ class Weave:
     @property
     def names(self) -> list[str]:
         """Name of each ribbon: family and number in it."""
-        return labels(self.families)
+        return labels(self.families) if self.kept_names is None else list(self.kept_names)
 
     @property
     def passages(self) -> Passages:
@@ -254,6 +258,7 @@ class Weave:
                 "boundary_loops": len(self.mesh.boundary_loops),
                 "area": float(self.mesh.face_areas.sum() * unit**2),
                 "branch_points": place(self.mesh.vertices[self.branch_points]).tolist(),
+                "singularities": self._singularities(),
             },
             "ribbons": [
                 {
@@ -284,6 +289,18 @@ class Weave:
             ],
             "metrics": self.metrics(),
         }
+
+    def _singularities(self) -> list[dict[str, Any]]:
+        """All singularities of the RoSy with their indices in N-ths, as `Singularity` takes them."""
+        numerators = self.design.numerators
+        if numerators is None:
+            return []
+        there = np.flatnonzero(numerators)
+        points = self.placement.undo(self.mesh.vertices[there]).tolist()
+        return [
+            {"point": point, "index": index}
+            for point, index in zip(points, numerators[there].tolist(), strict=True)
+        ]
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write ``weave.json``, whole or not at all."""
