@@ -285,7 +285,7 @@ def _without(ribbons: Ribbons, stays: Indices) -> tuple[Ribbons, Indices]:
     lengths = np.diff(curves.offsets)
     before = np.concatenate([[0], np.cumsum(np.where(stays, lengths, 0))])
     shift = curves.offsets[:-1] - before[:-1]
-    left = Curves.concatenate(curves.mesh, [curves[r] for r in np.flatnonzero(stays)])
+    left = Curves.concatenate(curves.mesh, [curves[r] for r in np.flatnonzero(stays).tolist()])
     some = met.taken(kept)
     crossings = Crossings(
         number[some.curves],
