@@ -80,6 +80,9 @@
     });
     const facts = [`Crossing ${counted.join(" and ")}.`];
     if (angle !== null) facts.push(`They cross at ${angle.toFixed(0)}°.`);
+    const { force, fasten } = content.states[space.number];
+    if (force && force[x] !== null) facts.push(`Force: ${Math.round(100 * force[x] / space.mostPulled)} % of the strongest.`);
+    if (fasten.includes(x)) facts.push("Glue or rivet it: friction alone does not hold this crossing.");
     box.replaceChildren(line, make("p", {}, facts.join(" ")));
     const flip = button("Flip over and under", () => { edits.flip(designs); changed(); }, { id: "flip" });
     flip.disabled = barred || !designs.length;
@@ -116,9 +119,9 @@
     } else {
       const bar = make("div", { class: "bar" });
       bar.style.background = `linear-gradient(to right, ${RAMP.map((each) => `rgb(${each})`).join(", ")})`;
-      const most = space.colour === "force" ? `${number(space.mostPulled)}` :
+      const most = space.colour === "force" ? "strongest" :
         `radius ${number(Number((content.width / (space.mostBent * content.states[space.number].bend.unit)).toPrecision(2)))} or less`;
-      box.replaceChildren(bar, make("div", { class: "ends" }, make("span", {}, space.colour === "force" ? "none" : "straight"), make("span", {}, most)));
+      box.replaceChildren(bar, make("div", { class: "ends" }, make("span", {}, space.colour === "force" ? "no force" : "straight"), make("span", {}, most)));
     }
   }
 
@@ -133,7 +136,6 @@
   function shape(k) {
     space.shape(k);
     choice($("states"), Object.fromEntries(content.states.map((each, n) => [n, each.says])), k, (key) => shape(Number(key)));
-    if (space.colour === "force" && !available().includes("force")) colour("family");
     listColours();
     legend();
     here();

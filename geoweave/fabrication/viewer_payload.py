@@ -100,9 +100,14 @@ def _state(
         )
     bends = np.concatenate([sideways_bend(body) for body in ribbon_bodies(document)])
     steps = np.rint(32767 / BEND * np.clip(bends * float(document["width"]), -BEND, BEND)).astype("<i2")
+    known = [each.get("force") for each in document["crossings"]]
+    forces = [round(float(np.hypot(f["separation"], f["sliding"])), 9) if f else None for f in known]
     return {
         "name": name,
         "says": says,
+        # How strongly each crossing is held at rest, for a Young's modulus of 1, as far as it is known.
+        "force": forces if any(each is not None for each in forces) else None,
+        "fasten": [x for x, each in enumerate(document["crossings"]) if each.get("fasten")],
         "shape": shape(document, labels),
         "crossings": crossings,
         "bend": {"unit": BEND / 32767, "steps": base64.b64encode(steps.tobytes()).decode("ascii")},

@@ -29,6 +29,8 @@ class ViewSpace extends WeaveInSpace {
     if (!this.middle) this.measure();
     this.selected = null;
     this.over = null;
+    // A design has no forces.
+    if (this.colour === "force" && !this.content.states[number].force) this.colour = "family";
     this.refresh();
   }
 
@@ -179,6 +181,28 @@ class ViewSpace extends WeaveInSpace {
       }
     }
     return found;
+  }
+
+  // The force that counts as most: what one crossing in fifty exceeds.
+  get mostPulled() {
+    const sorted = Float64Array.from(this.content.states[this.number].force.map((each) => each || 0)).sort();
+    return sorted[Math.floor(0.98 * (sorted.length - 1))] || 1;
+  }
+
+  // For each cross section the force at its crossing as a share of the most, linear between crossings.
+  pulled() {
+    const { force } = this.content.states[this.number], most = this.mostPulled;
+    return this.now.ways.map((way, r) => {
+      const met = this.now.passages[r].map((each) => [each.at, (force[each.crossing] || 0) / most]);
+      const found = new Float32Array(way.count);
+      for (let k = 0, i = 0; met.length && k < way.count; k++) {
+        while (i + 1 < met.length && met[i + 1][0] < way.at[k]) i++;
+        const [s, one] = met[i], [t, other] = met[Math.min(i + 1, met.length - 1)];
+        const share = t > s ? Math.min(Math.max((way.at[k] - s) / (t - s), 0), 1) : 0;
+        found[k] = one + share * (other - one);
+      }
+      return found;
+    });
   }
 
   // What is selected, or under the pointer, stands out.

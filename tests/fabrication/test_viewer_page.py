@@ -233,14 +233,18 @@ def test_colours(chromium: Any, pages: dict[str, Path]) -> None:
     with opened(chromium, pages["cone"]) as it:
         it.wait(STILL)
         pictures = {}
-        for name in ("family", "bend", "hard"):
+        for name in ("family", "bend", "hard", "force"):
             it.page.select_option("#colour", name)
             it.wait(STILL)
             pictures[name] = it.picture("#canvas").astype(int)
             assert it.page.inner_text("#legend")
         assert np.abs(pictures["family"] - pictures["bend"]).max() > 60
         assert np.abs(pictures["bend"] - pictures["hard"]).max() > 60
-        assert it.page.locator("#colour option").count() == 3  # no forces in this report
+        assert np.abs(pictures["hard"] - pictures["force"]).max() > 60
+        # A design has no forces.
+        it.page.click("#states [data-key='0']")
+        assert it.page.locator("#colour option").count() == 3
+        assert it.page.input_value("#colour") == "family"
         red = (pictures["hard"][..., 0] - pictures["hard"][..., 1] > 80).mean()
         assert 0.0005 < red < 0.5
     with opened(chromium, pages["flat"]) as it:  # nothing is hard there

@@ -91,3 +91,15 @@ def test_hard_places_go_with_their_ribbons() -> None:
             assert [weave["ribbons"][r]["label"] for r in place["ribbons"]] == said["ribbons"]
         else:
             assert place["at"][1] == place["at"][0]
+
+
+def test_forces_are_those_of_the_crossings_at_rest() -> None:
+    weave = flat()
+    rest = json.loads(json.dumps(weave))
+    for x, each in enumerate(rest["crossings"]):
+        each["force"] = {"separation": -3.0 * x, "sliding": 4.0 * x, "friction": None}
+        each["fasten"] = x == 7
+    designed, rested = content(weave, rest)["states"]
+    assert rested["force"] == pytest.approx([5.0 * x for x in range(len(weave["crossings"]))])
+    assert rested["fasten"] == [7]
+    assert designed["force"] is None
