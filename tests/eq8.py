@@ -11,7 +11,7 @@ from geoweave.fields import FaceField
 from geoweave.foliation.foliation import punctured
 from geoweave.foliation.regular_steps import RegularSteps
 from geoweave.foliation.theta_and_s import Alternation
-from geoweave.foliation.triples import Triples
+from geoweave.fields.triples import Triples
 
 NAMES = ("jagged sphere", "genus 5", "two pieces")
 

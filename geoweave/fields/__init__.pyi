@@ -62,4 +62,5 @@ from .singularities import (
     vertex_indices as vertex_indices,
     windings as windings,
 )
+from .triples import Triples as Triples
 from .trivial_connection import prescribed_rosy as prescribed_rosy

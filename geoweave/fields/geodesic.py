@@ -14,6 +14,8 @@ from geoweave.errors import FieldError
 from geoweave.fields.closed_projection import ClosedProjection, ordering_of
 from geoweave.fields.face_field import FaceField, Handles
 from geoweave.fields.operators import AllFields, ClosedFields
+from geoweave.fields.triples import Triples
+from geoweave.fields.zero_sum import ZeroSum
 from geoweave.sparse import (
     Ordering,
     one_blas_thread,
@@ -94,7 +96,8 @@ class Step:
     Attributes
     ----------
     smoothness : lambda, unit length^2
-    energy : 1/2 |delta|^2 + lambda/2 |grad(w + delta)|^2 after the step (Eq. 5), unit length^2
+    energy : 1/2 |delta|^2 + lambda/2 |grad(w + delta)|^2 after the step (Eq. 5), unit length^2; with sheets
+        that are coupled, and what `ZeroSum` adds
     change : root mean square of |w - previous w| over the surface
     """
 
@@ -155,6 +158,7 @@ def geodesic_field(
     phases: int = 1,
     acceleration: Acceleration = "momentum",
     curl_free: bool = True,
+    triples: Triples | None = None,
     callback: Callback | None = None,
 ) -> GeodesicSolve:
     """Compute a discrete geodesic field by Algorithm 1.
@@ -176,6 +180,7 @@ def geodesic_field(
     acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
     curl_free : False removes the constraint ``C (w + delta) = 0`` from Eq. 5: the field is then only smooth,
         as in the comparison of Fig. 10
+    triples : sheets of a cover whose directions are to stay 120 degrees apart, see `ZeroSum`
     callback : called after every step with the `Step` and the field
 
     Returns
@@ -185,8 +190,8 @@ def geodesic_field(
     Raises
     ------
     FieldError
-        If a smoothness is negative, there is none, the handles contradict one another, or phases are asked
-        for beside handles.
+        If a smoothness is negative, there is none, the handles contradict one another, or phases or triples
+        are asked for beside handles.
 
     See Also
     --------
@@ -208,6 +213,9 @@ def geodesic_field(
         handles = None
     if phases > 1 and handles is not None:
         raise FieldError("handles fix the phase of the field: leave out the phases")
+    if triples is not None and handles is not None:
+        raise FieldError("handles fix directions of single sheets: leave out the handles or the triples")
+    sums = None if triples is None else ZeroSum(triples)
     fields = ClosedFields(mesh) if curl_free else AllFields(mesh)
     ordering = ordering_of(fields)
     start = initial.normalized()
@@ -220,9 +228,9 @@ def geodesic_field(
         remaining -= 1
         limit = iterations if remaining else LAST_STEPS * iterations
         if remaining == len(schedule) - 1 and phases > 1:
-            w = _promising_phase(project, w, phases, tolerance, acceleration)
+            w = _promising_phase(project, w, phases, tolerance, acceleration, sums)
             start = FaceField(mesh, w)
-        w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback)
+        w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback, sums)
         del project  # its factors make room for the next
     return GeodesicSolve(start, FaceField(mesh, w), FaceField(mesh, v - w), tuple(steps), converged)
 
@@ -258,24 +266,33 @@ def _alternate(
     acceleration: Acceleration,
     steps: list[Step],
     callback: Callback | None,
+    sums: ZeroSum | None,
 ) -> tuple[Complexes, Complexes, bool]:
     """Algorithm 1 at one smoothness: w, its closed field v = w + delta, and whether w stood still."""
     mesh = project.fields.mesh
-    v, energy = project(w)
+
+    def closed(w: Complexes) -> tuple[Complexes, float]:
+        v, energy = project(w)
+        return v, energy if sums is None else energy + sums.energy(w)
+
+    def nearest(v: Complexes, w: Complexes) -> Complexes:
+        return project.unit(v) if sums is None else sums.nearest(v, w)
+
+    v, energy = closed(w)
     previous, momentum = w, 1.0
     for _ in range(limit):
-        plain = project.unit(v)
+        plain = nearest(v, w)
         trial = plain
         if acceleration == "momentum":
             # Nesterov's sequence: go on in the direction of the last step.
             following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum**2))
-            trial = project.unit(plain + (momentum - 1.0) / following * (plain - previous))
+            trial = nearest(plain + (momentum - 1.0) / following * (plain - previous), plain)
             momentum = following
-        trial_v, trial_energy = project(trial)
+        trial_v, trial_energy = closed(trial)
         if trial_energy > energy and trial is not plain:
             # The safeguard: a plain step cannot raise the energy.
             trial, momentum = plain, 1.0
-            trial_v, trial_energy = project(trial)
+            trial_v, trial_energy = closed(trial)
         if trial_energy > energy:
             if trial_energy > energy + ROUNDING * abs(energy) + AREA_ROUNDING * mesh.face_areas.sum():
                 if not project.refine():
@@ -283,7 +300,7 @@ def _alternate(
                         f"a step of Algorithm 1 raised the energy from {energy:.6g} to {trial_energy:.6g}: "
                         "the mesh is too distorted for double precision; remesh it (--faces N)"
                     )
-                v, energy = project(w)
+                v, energy = closed(w)
                 continue
             # Only rounding is left to gain: the field is stationary to working precision.
             return w, v, True
@@ -298,15 +315,20 @@ def _alternate(
 
 
 def _promising_phase(
-    project: ClosedProjection, w: Complexes, phases: int, tolerance: float, acceleration: Acceleration
+    project: ClosedProjection,
+    w: Complexes,
+    phases: int,
+    tolerance: float,
+    acceleration: Acceleration,
+    sums: ZeroSum | None,
 ) -> Complexes:
     """Of so many rotations of w, the one whose energy is least after the first steps from it."""
     rotated = [w * np.exp(1j * np.pi * k / phases) for k in range(phases)]
     energies = []
     for field in rotated:
         steps: list[Step] = []
-        _alternate(project, field, PROBING_STEPS, tolerance, acceleration, steps, None)
-        energies.append(steps[-1].energy if steps else project(field)[1])
+        _alternate(project, field, PROBING_STEPS, tolerance, acceleration, steps, None, sums)
+        energies.append(steps[-1].energy if steps else project(field)[1] + (sums.energy(field) if sums else 0.0))
     return rotated[int(np.argmin(energies))]
 
 

@@ -15,4 +15,3 @@ from .integrability import (
 )
 from .level_set_alignment import Alignment as Alignment, alignment as alignment, deviation as deviation
 from .level_sets import isolines as isolines
-from .triples import Triples as Triples

@@ -10,7 +10,7 @@ import numpy as np
 
 from geoweave.arrays import Complexes, Scalars, frozen
 from geoweave.errors import FieldError, MeshError
-from geoweave.fields import FaceField, vertex_indices
+from geoweave.fields import FaceField, Triples, vertex_indices
 from geoweave.foliation.circle_function import CircleFunction
 from geoweave.foliation.integrability import (
     Method,
@@ -21,7 +21,6 @@ from geoweave.foliation.level_set_alignment import Alignment, alignment
 from geoweave.foliation.regular_steps import RegularSteps, regular_course
 from geoweave.foliation.theta_and_s import Alternation
 from geoweave.foliation.theta_energy import along_edges
-from geoweave.foliation.triples import Triples
 from geoweave.sparse import Ordering, one_blas_thread
 from geoweave.surface import Part, part_of
 

@@ -12,9 +12,8 @@ import numpy as np
 from scipy import sparse
 
 from geoweave.arrays import Complexes, Indices, Scalars
-from geoweave.fields import FaceField
+from geoweave.fields import FaceField, Triples
 from geoweave.foliation.circle_function import wrapped
-from geoweave.foliation.triples import Triples
 
 LEAST_COSINE = 0.1
 """The quadratic model of ``1 - cos`` stays at least so convex."""

@@ -8,11 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from geoweave.arrays import Scalars
-from geoweave.fields import FaceField
+from geoweave.fields import FaceField, Triples
 from geoweave.foliation.integrability import vertices_and_faces
 from geoweave.foliation.phase_energy import PhaseEnergy
 from geoweave.foliation.theta_and_s import Alternation, HeldMean, JointModel
-from geoweave.foliation.triples import Triples
 from geoweave.sparse import Assembly, Factorization, Ordering
 
 ETA = 3.0

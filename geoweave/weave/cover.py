@@ -16,8 +16,8 @@ from scipy.sparse import csgraph
 from geoweave.arrays import Flags, Indices, Scalars, Triangles, frozen
 from geoweave.curves import Curves
 from geoweave.errors import FieldError
-from geoweave.fields import FaceField, RoSyField
-from geoweave.foliation import CircleFunction, Foliation, Triples
+from geoweave.fields import FaceField, RoSyField, Triples
+from geoweave.foliation import CircleFunction, Foliation
 from geoweave.surface import Part, TriMesh, TwistedMesh, connected_components, part_of
 
 

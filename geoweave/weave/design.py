@@ -245,7 +245,8 @@ def weave_field(
     field = quotient.field
     if geodesic:
         schedule = sharpening_schedule(quotient.mesh, finest=INTEGRABLE_END)
-        field = geodesic_field(field, smoothness=schedule).field
+        together = quotient.triples if chosen == "regular" else None
+        field = geodesic_field(field, smoothness=schedule, triples=together).field
     stages.begin("foliation", ": first factor")
     w, part = punctured(field)
     places = quotient.triples.on(part).places if chosen == "regular" else None
