@@ -32,6 +32,13 @@ from geoweave.weave.regularity import crossing_density, near_ideal, phase_order,
 TABLE = Path("build/bench/regular.md")
 
 
+STRAIGHT = 0.02
+"""Mean curvature of straight ribbons, in bounding radii: a degree on the length of one.
+
+The lines of a perfect icosahedron have 0.001, what rounding and the mesh leave; no ratio to it says anything.
+"""
+
+
 class Limits(NamedTuple):
     """What a row of the table must reach."""
 
@@ -75,7 +82,7 @@ ROWS = (
     Row("spot", 60, 0.390, MADE),
     Row("camel", 60, 0.704, MADE),
     Row("vessel", 60, 0.388, MADE),
-    Row("torus", 20, 0.0, MADE),
+    Row("torus", 20, 0.312, MADE),
 )
 """The curvatures were measured before the phase was coupled and the clean-up mended (commit 1bb6a3a)."""
 
@@ -157,7 +164,7 @@ def missed(row: dict, limits: Limits, today: float) -> list[str]:
         found.append("short ribbons")
     if limits.parts is not None and row["parts"] > limits.parts:
         found.append("parts")
-    if today > 0 and row["curvature"] > limits.curvature * today:
+    if today > 0 and row["curvature"] > max(limits.curvature * today, STRAIGHT):
         found.append("curvature")
     return found + (["valid"] if row["broken"] else [])
 

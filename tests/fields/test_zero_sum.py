@@ -57,8 +57,7 @@ def test_signs_are_those_of_the_triples() -> None:
     np.testing.assert_allclose(ZeroSum(other).nearest(turned * v, turned * field.values), turned * found)
 
 
-def test_families_stay_apart_where_no_branch_point_holds_them() -> None:
-    """Without branch points each of three sheets turns to the same geodesics of a torus; the term stops it."""
+def test_the_term_keeps_families_nearer_to_60_degrees_and_never_lets_the_energy_rise() -> None:
     torus = gw.shapes.torus(faces=600)
     quotient = gw.weave_field(torus).cover.quotient
     free = geodesic_field(quotient.field).field

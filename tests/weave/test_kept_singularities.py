@@ -71,12 +71,20 @@ def test_algorithm_1_tears_a_large_index_and_that_is_said():
     assert sum(each.found - each.numerator for each in field.met.displaced) == 0
 
 
-def test_without_branch_points_the_families_of_a_torus_fall_together():
+def between_families(phase):
     from geoweave.weave.steering import Steering
 
-    field = weave_field(shapes.torus(faces=900), steering=Steering(singularities=()))
+    field = weave_field(shapes.torus(faces=900), phase=phase, steering=Steering(singularities=()))
     assert field.met.displaced == ()
     _, vectors = lifted_vectors(field.cover, field.field)
+    return np.degrees(np.abs(np.angle(vectors[:, 1:3] ** 2 / vectors[:, :1] ** 2)) / 2)
+
+
+def test_without_branch_points_the_families_of_a_torus_fall_together():
     # Nothing in Eq. 5 holds the sheets apart: each becomes the same geodesic field, up to its sign.
-    between = np.degrees(np.abs(np.angle(vectors[:, 1:3] ** 2 / vectors[:, :1] ** 2)) / 2)
-    assert between.max() < 1.0
+    assert between_families("free").max() < 1.0
+
+
+def test_a_sum_that_is_to_be_zero_keeps_them_apart():
+    # Not at 60 degrees: circles round the tube cost Eq. 5 nothing, so each family still leans towards them.
+    assert between_families("regular").min() > 15.0
