@@ -3,7 +3,9 @@
     python -m benchmarks.regular [--scans] [--rods FILE]... [--free] [NAME]...
 
 Each model is woven with no parameter, some once more with a number of ribbons, in a process of its own; the
-limits are those that the regular weave was planned with. What a row misses is said in its last cell. With
+limits are those that the regular weave was planned with. What a row misses is said in its last cell. All
+rows together, or those of all scans, are also written to the table beside this module, which is committed
+and read by the notebook beyond1_phase. With
 ``--free`` each row is followed by that of the same weave whose families do not know of each other's phase.
 ``--scans`` weaves twenty scans from packages in place of the models (see benchmarks/scans.py). ``--rods``
 adds weaves that others shared as elastic rods: what needs their surface is left empty there. The table is
@@ -13,6 +15,7 @@ written to build/bench/regular.md.
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 import subprocess
 import sys
@@ -30,6 +33,9 @@ from geoweave.weave import inspected, violations, weave_pattern
 from geoweave.weave.regularity import crossing_density, near_ideal, phase_order, piled
 
 TABLE = Path("build/bench/regular.md")
+
+KEPT = Path(__file__).with_name("regular.csv")
+"""The committed table of all models; that of the scans lies beside it."""
 
 
 STRAIGHT = 0.02
@@ -206,14 +212,26 @@ def line(row: dict, misses: list[str]) -> str:
     return "| " + " | ".join([name, *cells, ", ".join(misses)]) + " |"
 
 
+def kept(rows: list[dict], path: Path) -> None:
+    """Write rows as they are committed: names, and numbers to four digits."""
+    names = ["name", "asked", *(each for each in COLUMNS if each not in ("woven",))]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow([*names, "misses"])
+        for row in rows:
+            values = [row.get(each) for each in names]
+            rounded = [round(each, 4) if isinstance(each, float) else each for each in values]
+            writer.writerow([*("" if each is None else each for each in rounded), " ".join(row["misses"])])
+
+
 def woven(row: Row, free: bool = False) -> dict:
     """Weave in a process of its own."""
     command = [sys.executable, "-m", "benchmarks.regular", "--one", json.dumps([row.name, row.ribbons, free])]
     return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout)
 
 
-def table(rows: list[Row], rods: list[str], *, free: bool, medians: bool) -> bool:
-    """Weave all rows, print the table and keep it; whether every limit was reached."""
+def table(rows: list[Row], rods: list[str], *, free: bool, medians: bool, whole: bool) -> bool:
+    """Weave all rows, print the table and keep it, committed if whole; whether every limit was reached."""
     lines = [HEAD, "|---|" + "---:|" * len(COLUMNS) + "---|"]
     print("\n".join(lines), flush=True)
     made, good = [], True
@@ -229,7 +247,9 @@ def table(rows: list[Row], rods: list[str], *, free: bool, medians: bool) -> boo
             lines.append(line(found, misses))
             print(lines[-1], flush=True)
             if not unaware and "problem" not in found:
-                made.append(found)
+                made.append(found | {"misses": misses})
+    if whole:
+        kept(made, KEPT.with_stem("regular_scans") if medians else KEPT)
     if medians and made:
         middle = {key: float(np.median([each[key] for each in made])) for key in MEDIANS}
         good &= all(middle[key] <= limit for key, limit in MEDIANS.items())
@@ -265,7 +285,8 @@ def main() -> int:
         rows = [row for row in rows if row.name in options.names]
     if not rows:
         raise SystemExit(f"no such row here: {', '.join(options.names)}")
-    return int(not table(rows, options.rods, free=options.free, medians=options.scans))
+    whole = len(rows) == len(SCANS if options.scans else ROWS)
+    return int(not table(rows, options.rods, free=options.free, medians=options.scans, whole=whole))
 
 
 if __name__ == "__main__":

@@ -8,10 +8,10 @@ from surfaces import surface
 import geoweave as gw
 from geoweave.arrays import Scalars
 from geoweave.fields import FaceField
+from geoweave.fields.triples import Triples
 from geoweave.foliation.foliation import punctured
 from geoweave.foliation.regular_steps import RegularSteps
 from geoweave.foliation.theta_and_s import Alternation
-from geoweave.fields.triples import Triples
 
 NAMES = ("jagged sphere", "genus 5", "two pieces")
 

@@ -328,7 +328,8 @@ def _promising_phase(
     for field in rotated:
         steps: list[Step] = []
         _alternate(project, field, PROBING_STEPS, tolerance, acceleration, steps, None, sums)
-        energies.append(steps[-1].energy if steps else project(field)[1] + (sums.energy(field) if sums else 0.0))
+        at_rest = 0.0 if sums is None else sums.energy(field)
+        energies.append(steps[-1].energy if steps else project(field)[1] + at_rest)
     return rotated[int(np.argmin(energies))]
 
 

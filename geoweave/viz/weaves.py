@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from geoweave.arrays import Indices
+from geoweave.arrays import Indices, Vectors
 from geoweave.surface import TriMesh
 from geoweave.viz import style
 from geoweave.viz.layout import gallery
@@ -32,6 +32,7 @@ class Woven:
     families : whether a ribbon has the colour of its family, as on its strip in a pattern
     focus : a place on the surface and the radius round it that is to be seen; all of it if None
     dots : whether to mark the branch points
+    marked : (n, 3) other places to mark, in red
     """
 
     weave: Weave
@@ -44,15 +45,18 @@ class Woven:
     families: bool = False
     focus: tuple[Sequence[float], float] | None = None
     dots: bool = False
+    marked: Vectors | None = None
 
     def scene(self) -> Scene:
         """Build the scene."""
         chosen = self.weave.families if self.families else colouring(self.weave, self.hues)
         scene = weave_scene(self.weave, self.view, chosen, width=self.width, thickness=self.thickness)
         scene.focus = self.focus
+        mesh, points = self.weave.mesh, self.weave.branch_points
         if self.dots:
-            mesh, points = self.weave.mesh, self.weave.branch_points
             scene.add_dots(mesh.vertices[points], 0.022 * mesh.bounding_radius, [style.INK] * len(points))
+        if self.marked is not None:
+            scene.add_dots(self.marked, 0.016 * mesh.bounding_radius, [style.RED] * len(self.marked))
         return scene
 
 

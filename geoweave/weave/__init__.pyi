@@ -23,7 +23,7 @@ from .flat_curve import FlatCurve as FlatCurve, check_curvature as check_curvatu
 from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged
 from .phase import PHASES as PHASES, Phase as Phase, phase_of as phase_of
-from .regularity import Regularity as Regularity
+from .regularity import Regularity as Regularity, piled_crossings as piled_crossings
 from .ribbons import Ribbons as Ribbons
 from .singularity_search import Stage as Stage, searched as searched
 from .steering import (

@@ -20,7 +20,16 @@ from geoweave.weave.passages import Passages
 from geoweave.weave.ribbon_ends import off_ideal, on_boundary
 from geoweave.weave.weave import Weave
 
-__all__ = ["Cells", "Regularity", "crossing_density", "local_spacing", "near_ideal", "phase_order", "piled"]
+__all__ = [
+    "Cells",
+    "Regularity",
+    "crossing_density",
+    "local_spacing",
+    "near_ideal",
+    "phase_order",
+    "piled",
+    "piled_crossings",
+]
 
 PILED = 0.3
 """Crossings nearer to each other than this many spacings are piled."""
@@ -89,7 +98,7 @@ class Regularity:
         corners = Cells.of(curves, met).corners
         turns = weave.interlacing
         return cls(
-            piled=float(piled(met.points, curves.mesh.face_normals[met.faces], spacing).mean()),
+            piled=float(piled_crossings(weave).mean()),
             phase_order=phase_order(passages, curves.lengths) if families == 3 else None,
             bare=_bare(curves, spacing),
             spacing_spread=float(np.log(local).std()) if len(local) else 0.0,
@@ -116,6 +125,20 @@ def piled(points: Vectors, normals: Vectors, spacing: float) -> Flags:
     facing = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1) > SAME_SIDE
     found[pairs[facing].ravel()] = True
     return found
+
+
+def piled_crossings(weave: Weave) -> Flags:
+    """(C,) whether each crossing has another one within 0.3 spacings: there three ribbons lie on each other.
+
+    Examples
+    --------
+    >>> woven = gw.weave_pattern(gw.shapes.torus(faces=600), scale=0.5)
+    >>> found = gw.weave.piled_crossings(woven)
+    >>> bool(found.mean() == gw.weave.Regularity.of(woven).piled), len(found) == len(woven.ribbons.crossings)
+    (True, True)
+    """
+    met, mesh = weave.ribbons.crossings, weave.mesh
+    return piled(met.points, mesh.face_normals[met.faces], weave.ribbons.spacing)
 
 
 def near_ideal(angles: Scalars, families: int) -> Flags:

@@ -7,8 +7,8 @@ import pytest
 from eq8 import three_sheets
 
 from geoweave.errors import FieldError
-from geoweave.foliation.integrability import vertices_and_faces
 from geoweave.fields.triples import Triples
+from geoweave.foliation.integrability import vertices_and_faces
 from geoweave.surface.submesh import part_of
 
 

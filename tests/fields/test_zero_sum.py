@@ -1,4 +1,4 @@
-"""Three directions that are to sum to zero: what it costs, the step that keeps them so, Algorithm 1 with it."""
+"""Three directions that are to sum to zero: what it costs, the step that keeps them so, Algorithm 1."""
 
 from __future__ import annotations
 

@@ -32,6 +32,19 @@ def test_a_picture_has_all_three_hues() -> None:
         viz.weave_gallery([])
 
 
+def test_places_are_marked_in_red() -> None:
+    weave = pattern()
+    plain, marked = (
+        viz.weave_gallery([viz.Woven(weave, view=viz.View(elevation=40), marked=places)], width=500)
+        for places in (None, weave.mesh.vertices[::20])
+    )
+    changed = (plain.pixels != marked.pixels).any(axis=2)
+    assert 0.002 < changed.mean() < 0.2
+    red, green, blue = marked.pixels[changed].astype(float).mean(axis=0)
+    assert red > 1.3 * green
+    assert red > 1.3 * blue
+
+
 def test_crossing_ribbons_differ_in_colour_where_that_can_be() -> None:
     # no branch point on the cylinder: families are colours, and each crosses only the others
     tube = weave_pattern(shapes.cylinder(faces=1000))
