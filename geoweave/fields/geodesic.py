@@ -208,13 +208,8 @@ def geodesic_field(
     """
     mesh = initial.mesh
     schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
-    _check(min(len(schedule), iterations, phases), acceleration)
-    if handles is not None and not len(handles.faces):
-        handles = None
-    if phases > 1 and handles is not None:
-        raise FieldError("handles fix the phase of the field: leave out the phases")
-    if triples is not None and handles is not None:
-        raise FieldError("handles fix directions of single sheets: leave out the handles or the triples")
+    handles = handles if handles is not None and len(handles.faces) else None
+    _check(min(len(schedule), iterations, phases), acceleration, handles, phases, triples)
     sums = None if triples is None else ZeroSum(triples)
     fields = ClosedFields(mesh) if curl_free else AllFields(mesh)
     ordering = ordering_of(fields)
@@ -235,11 +230,18 @@ def geodesic_field(
     return GeodesicSolve(start, FaceField(mesh, w), FaceField(mesh, v - w), tuple(steps), converged)
 
 
-def _check(fewest: int, acceleration: str) -> None:
+def _check(
+    fewest: int, acceleration: str, handles: Handles | None, phases: int, triples: Triples | None
+) -> None:
+    """Refuse numbers that are too small, a name that is none, and what cannot go with handles."""
     if fewest < 1:
         raise FieldError("Algorithm 1 needs at least one smoothness, one iteration and one phase")
     if acceleration not in ("momentum", "none"):
         raise FieldError(f"there is no acceleration '{acceleration}': use 'momentum' or 'none'")
+    if phases > 1 and handles is not None:
+        raise FieldError("handles fix the phase of the field: leave out the phases")
+    if triples is not None and handles is not None:
+        raise FieldError("handles fix directions of single sheets: leave out the handles or the triples")
 
 
 def _projections(
