@@ -34,6 +34,8 @@ FLAGS = (
     "--disable-sync",
 )
 PHONE, DESK = (390, 844), (1280, 900)
+PATIENCE = 300.0
+"""Seconds to wait for a page: far more than a busy machine needs, so that only a page that hangs ends it."""
 
 
 def found() -> str:
@@ -57,9 +59,9 @@ class Opened(NamedTuple):
     def do(self, script: str) -> Any:
         return self.page.evaluate(script)
 
-    def wait(self, script: str, seconds: float = 30.0) -> None:
+    def wait(self, script: str) -> None:
         """Until an expression holds; the page's own policy forbids the browser to do the waiting."""
-        end = time.monotonic() + seconds
+        end = time.monotonic() + PATIENCE
         while not self.page.evaluate(script):
             assert time.monotonic() < end, f"still not: {script}"
             time.sleep(0.05)
@@ -83,7 +85,7 @@ def browser() -> Iterator[Any]:
 
     place = found()
     with sync_playwright() as play:
-        chromium = play.chromium.launch(executable_path=place, args=list(FLAGS))
+        chromium = play.chromium.launch(executable_path=place, args=list(FLAGS), timeout=PATIENCE * 1_000)
         try:
             yield chromium
         finally:
@@ -104,6 +106,7 @@ def opened(
         reduced_motion="reduce",
     )
     page = own.new_page()
+    page.set_default_timeout(PATIENCE * 1_000)
     errors: list[str] = []
     requests: list[str] = []
     page.on("pageerror", lambda error: errors.append(str(error)))

@@ -34,18 +34,18 @@ def cluster(folder: Path, workers: int = 2) -> Iterator[str]:
         if workers:
             local = ["--local-directory", str(folder), "--no-dashboard"]
             start("workers", "worker", "--nworkers", str(workers), "--nthreads", "1", *local, *common)
-        yield _address(file)
+        yield _address(file, started[0])
     finally:
         for process in reversed(started):
             process.terminate()
-            process.wait(timeout=30)
+            process.wait()
 
 
-def _address(file: Path, patience: float = 60.0) -> str:
-    until = time.monotonic() + patience
-    while time.monotonic() < until:
+def _address(file: Path, scheduler: subprocess.Popen[bytes]) -> str:
+    """What the scheduler wrote, however long it took; a scheduler that ended writes nothing any more."""
+    while scheduler.poll() is None:
         try:
             return str(json.loads(file.read_text())["address"])
         except (OSError, ValueError, KeyError):
             time.sleep(0.1)
-    raise TimeoutError(f"no scheduler wrote {file}")
+    raise RuntimeError(f"the scheduler ended and did not write {file}")

@@ -48,7 +48,7 @@ def ball(tmp_path):
 
 def process(*arguments, **options):
     command = [sys.executable, "-m", "geoweave", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False, **options)
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
 
 
 # -- info ---------------------------------------------------------------------------------------------------
@@ -447,7 +447,7 @@ def test_figures_without_the_extra_say_which_one_to_install(tmp_path):
         "sys.exit(main(['figures', 'fig26']))",
     ]
     done = subprocess.run(
-        [sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False, timeout=120
+        [sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == (
@@ -612,7 +612,6 @@ def test_a_name_with_an_umlaut_in_the_c_locale(tmp_path, name):
         [*command, *more],
         capture_output=True,
         text=True,
-        timeout=120,
         check=False,
         env=environment,
         cwd=folder,
@@ -696,7 +695,7 @@ def test_progress_is_shown_on_a_terminal_only(ball):
         if not part:
             break
         shown += part
-    out, _ = child.communicate(timeout=120)
+    out, _ = child.communicate()
     os.close(terminal)
     assert child.returncode == 0
     assert json.loads(out)["faces"] == 512

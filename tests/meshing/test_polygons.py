@@ -117,10 +117,10 @@ def test_a_polygon_without_extent_is_passed_on() -> None:
 
 def test_a_polygon_of_many_corners_takes_no_time() -> None:
     shape = comb(150)
-    start = time.perf_counter()
+    start = time.process_time()  # whatever else the machine does
     faces = cut(shape, [np.roll(np.arange(len(shape)), 1).tolist()])
     assert areas(shape, faces).sum() == pytest.approx(299 + 150)
-    assert time.perf_counter() - start < 20.0
+    assert time.process_time() - start < 20.0
 
 
 def test_a_polygon_of_too_many_corners_is_refused_unless_it_is_convex() -> None:

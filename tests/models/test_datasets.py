@@ -61,10 +61,12 @@ def register(monkeypatch: pytest.MonkeyPatch, url: str) -> None:
     monkeypatch.setitem(datasets.REGISTRY, "cow", entry)
 
 
-def closed_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+@pytest.fixture
+def dead_server() -> Iterator[str]:
+    """An address that refuses every connection, for as long as the test runs: bound, and not listening."""
+    with socket.socket() as held:
+        held.bind(("127.0.0.1", 0))
+        yield f"http://127.0.0.1:{held.getsockname()[1]}"
 
 
 def test_the_registry_is_complete() -> None:
@@ -148,9 +150,9 @@ def test_what_comes_with_a_wrong_sum_is_refused_and_leaves_nothing(
 
 
 def test_a_missing_page_and_a_dead_server_are_refused_and_leave_nothing(
-    cache: Path, served: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+    cache: Path, served: dict[str, bytes], dead_server: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for url in (f"{served[''].decode()}/gone.off", f"http://127.0.0.1:{closed_port()}/cow.off"):
+    for url in (f"{served[''].decode()}/gone.off", f"{dead_server}/cow.off"):
         register(monkeypatch, url)
         with pytest.raises(DataError, match=rf"cannot be fetched.*{datasets.VARIABLE}") as refusal:
             datasets.load("cow")
@@ -159,9 +161,9 @@ def test_a_missing_page_and_a_dead_server_are_refused_and_leave_nothing(
 
 
 def test_local_copies_are_used_and_checked(
-    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    cache: Path, tmp_path: Path, dead_server: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    register(monkeypatch, f"http://127.0.0.1:{closed_port()}/cow.off")
+    register(monkeypatch, f"{dead_server}/cow.off")
     (tmp_path / "copies").mkdir()
     copy = tmp_path / "copies" / "cow.off"
     copy.write_bytes(TRIANGLE)
