@@ -51,15 +51,16 @@ notebooks: $(STAMP) ## refresh the outputs stored in notebooks/
 	@$(PY) -m geoweave.artifact.doctor --rendering
 	@$(PY) -m geoweave.artifact.figures refresh --jobs $(JOBS) $(NAMES)
 
-test: $(STAMP) ## ruff, mypy, the tests, and nbval over every notebook
+test: $(STAMP) ## ruff, mypy, the tests, and nbval over every notebook not executed as it is now
 	@$(PY) -m geoweave.artifact.doctor --rendering
 	@$(PY) -m ruff check .
 	@$(PY) -m ruff format --check .
 	@$(PY) -m mypy
 	@rm -rf build/test && mkdir -p build/test/figures
-	@GEOWEAVE_FIGURES="$(CURDIR)/build/test/figures" IPYTHONDIR="$(CURDIR)/build/test/ipython" \
-	  $(PY) -m pytest -n $(JOBS) --dist loadscope \
-	  --nbval-lax --nbval-current-env --nbval-cell-timeout=$(CELL_TIMEOUT) tests notebooks
+	@again=$$($(PY) -m geoweave.artifact.replay) && \
+	  GEOWEAVE_FIGURES="$(CURDIR)/build/test/figures" IPYTHONDIR="$(CURDIR)/build/test/ipython" \
+	  $(PY) -m pytest -n $(JOBS) --dist loadscope --no-loadscope-reorder \
+	  --nbval-lax --nbval-current-env --nbval-cell-timeout=$(CELL_TIMEOUT) tests $$again
 
 lint: $(STAMP) ## ruff and mypy, with what ruff can mend mended
 	@$(PY) -m ruff check --fix .

@@ -63,6 +63,23 @@ def differences(committed: Table, here: Table) -> list[str]:
     return found
 
 
+def side_by_side(committed: Table, here: Table) -> list[str]:
+    """Lines of a table of one number a line, committed and here; no two cells touch, however long they are."""
+    rows = [("field", "what", "committed", "here")]
+    for one, other in zip(committed, here, strict=False):
+        for column, words in WORDS.items():
+            numbers = (f"{float(table_row[column]):.4g}" for table_row in (one, other))
+            rows.append((other["method"], words, *numbers))
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(
+            cell.ljust(width) if place < 2 else cell.rjust(width)
+            for place, (cell, width) in enumerate(zip(row, widths, strict=True))
+        )
+        for row in rows
+    ]
+
+
 def main() -> int:
     """Execute, compare, and say PASS (status 0) or FAIL (status 1)."""
     interrupt_once()
@@ -88,10 +105,7 @@ def main() -> int:
         print(f"FAIL: the notebook stopped: {outcome.problem} (see {target / 'executed.ipynb'})")
         return 1
     committed, here = (table(folder / f"{NAME}.csv") for folder in (ROOT / "figures", target / "figures"))
-    print(f"{'':24}" + "".join(f"{words:>30}" for words in WORDS.values()))
-    for one, other in zip(committed, here, strict=False):
-        cells = (f"{float(other[column]):.4g} (committed {float(one[column]):.4g})" for column in WORDS)
-        print(f"{other['method']:24}" + "".join(f"{cell:>30}" for cell in cells))
+    print("\n".join(side_by_side(committed, here)))
     print(f"The picture:  {target / 'figures' / f'{NAME}.png'}")
     print(f"The notebook: {target / 'executed.ipynb'}")
     wrong = differences(committed, here)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -111,3 +112,20 @@ def test_the_columns_are_those_of_the_figure(script: ModuleType) -> None:
     committed = script.table(ROOT / "figures" / "fig07_sphere.csv")
     assert list(committed[0]) == ["method", *script.WORDS]
     assert set(script.ANY_OF_MANY) < {row["method"] for row in committed}
+
+
+def test_no_two_cells_of_the_table_touch(script: ModuleType) -> None:
+    committed = script.table(ROOT / "figures" / "fig07_sphere.csv")
+    here = [dict(row) for row in committed]
+    for row in here:
+        row["method"] = "a method of a very long name, longer than any of the four"
+        row["total curl"] = "-1.2345678e-123"
+    lines = script.side_by_side(committed, here)
+    assert len(lines) == 1 + len(committed) * len(script.WORDS)
+    assert len({len(line) for line in lines}) == 1
+    for line, row in zip(lines[1 :: len(script.WORDS)], committed, strict=True):
+        cells = re.split(r"  +", line)
+        assert cells[0] == here[0]["method"]
+        assert cells[1] == script.WORDS["angle"]
+        assert [float(cell) for cell in cells[2:]] == pytest.approx([float(row["angle"])] * 2, rel=1e-3)
+    assert max(map(len, script.side_by_side(committed, committed))) <= 100

@@ -17,6 +17,7 @@ import shutil
 import sys
 import tempfile
 import time
+from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
@@ -32,7 +33,7 @@ from geoweave.errors import GeoweaveError
 from geoweave.files import replacing
 
 UNRELATED = frozenset(
-    {"__main__.py", "cli", "viz/probe.py", "artifact/claims.py", "artifact/progress.py"}
+    {"__main__.py", "cli", "viz/probe.py", "artifact/claims.py", "artifact/progress.py", "artifact/replay.py"}
     | {"artifact/site.py", "artifact/site.css", "artifact/site_font.py", "artifact/site_text.py"}
 )
 """Files and folders of the package that no notebook imports: a change in them leaves figures as they are."""
@@ -43,7 +44,17 @@ CLAIMS = ("<!-- claims: written by make report -->", "<!-- end of claims -->")
 TIMES = ("<!-- times: written by make report -->", "<!-- end of times -->")
 """The lines of REPRODUCING.md between which the table of times stands."""
 
-__all__ = ["Result", "digest", "main", "records", "refresh", "report", "report_claims", "run"]
+__all__ = [
+    "Result",
+    "digest",
+    "main",
+    "records",
+    "refresh",
+    "report",
+    "report_claims",
+    "run",
+    "stored_notebook",
+]
 
 
 @dataclass(frozen=True)
@@ -139,7 +150,10 @@ def run(
     keys = {name: digest(root, name, profile) for name in chosen}
     _drop_leftovers(root)
     children = Children()
+    order = notebooks.in_turn(chosen, notebooks.times(root), profile, jobs)
     with Progress(len(chosen)) as progress:
+        if len(chosen) > 1:
+            progress.say(f"{len(chosen)} notebooks, {jobs} at a time; the quickest first, then the longest")
 
         def bring(name: str) -> Result:
             result = None if force else _stored(root, name, profile, keys[name])
@@ -153,15 +167,32 @@ def run(
             return result
 
         with ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
-            tasks = [pool.submit(bring, name) for name in chosen]
+            tasks = {name: pool.submit(bring, name) for name in order}
             try:
-                results = [task.result() for task in tasks]
+                results = [tasks[name].result() for name in chosen]
             except BaseException:
                 children.stop()
                 pool.shutdown(cancel_futures=True)
                 raise
     _write(root / "figures" / "INDEX.md", notebooks.figures_index(root).encode())
     return results
+
+
+def _summary(results: Sequence[Result], profile: str, seconds: float) -> str:
+    """What a run came to, for the end of its messages: counts, place, and the failures once more."""
+    states = Counter(result.state for result in results)
+    made = Counter(Path(figure).suffix for result in results for figure in result.figures)
+    folder = "figures/" if profile == "default" else f"figures/{profile}/"
+    took = f"{int(seconds) // 60}:{int(seconds) % 60:02} min"
+    count = {state: states[state] for state in ("done", "fresh", "failed")}
+    ran = f"{count['done']} executed, {count['fresh']} up to date, {count['failed']} failed"
+    made_here = f"{made['.png']} pictures and {made['.csv']} tables"
+    failed = [f"failed: {result.name}: {result.problem}" for result in results if result.state == "failed"]
+    lines = [
+        f"{len(results)} notebooks in {took}: {ran}",
+        f"{made_here} lie in {folder} (all: figures/INDEX.md)",
+    ]
+    return "\n".join(lines + failed)
 
 
 def refresh(names: Sequence[str] = (), jobs: int = 1, root: Path | None = None) -> list[Result]:
@@ -266,6 +297,13 @@ def _stored(root: Path, name: str, profile: str, key: str) -> Result | None:
     return result if made_from == key and whole else None
 
 
+def stored_notebook(root: Path, name: str, profile: str) -> Path | None:
+    """The executed notebook in ``build/``, if it was executed from all that there is now; else None."""
+    result = _stored(root, name, profile, digest(root, name, profile))
+    executed = _folder(root, name, profile) / "executed.ipynb"
+    return executed if result is not None and executed.is_file() else None
+
+
 def _drop_leftovers(root: Path) -> None:
     """Remove the temporary folders that a killed run left behind more than a day ago."""
     for path in (root / "build").glob("running-*"):
@@ -337,6 +375,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     figures.add_argument("--force", action="store_true", help="execute also what is up to date")
     options = parser.parse_args(arguments)
     interrupt_once()
+    started = time.perf_counter()
     try:
         if options.command == "report":
             report_claims()
@@ -352,6 +391,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("geoweave: interrupted; the same command goes on where this one stopped", file=sys.stderr)
         return 130
+    profile = getattr(options, "profile", "default")
+    print(_summary(results, profile, time.perf_counter() - started), file=sys.stderr)
     return 1 if any(result.state == "failed" for result in results) else 0
 
 

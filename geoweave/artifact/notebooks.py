@@ -21,6 +21,7 @@ import html
 import json
 import re
 import tomllib
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,7 @@ __all__ = [
     "deep_imports",
     "figures_index",
     "heading",
+    "in_turn",
     "names",
     "parameters",
     "path_of",
@@ -262,6 +264,20 @@ def times(root: Path) -> dict[tuple[str, str], tuple[str, str]]:
     text = page.read_text(encoding="utf-8") if page.is_file() else ""
     rows = re.findall(r"^\| (\w+) \| (\w+) \| (\d+) \| (\d+) \|$", text, re.MULTILINE)
     return {(name, profile): (seconds, memory) for name, profile, seconds, memory in rows}
+
+
+def in_turn(
+    chosen: Sequence[str], times: Mapping[tuple[str, str], tuple[str, str]], profile: str, jobs: int
+) -> list[str]:
+    """In which order to execute: one quick notebook a job, to show a picture soon, then the longest first.
+
+    The longest first lets all jobs end at about the same time. A notebook of which no time is known counts
+    as long.
+    """
+    seconds = {name: float(times.get((name, profile), ("inf", ""))[0]) for name in chosen}
+    first = sorted(chosen, key=lambda name: seconds[name])[: max(1, jobs)]
+    rest = [name for name in chosen if name not in first]
+    return first + sorted(rest, key=lambda name: -seconds[name])
 
 
 def _words(root: Path) -> dict[str, dict[str, str]]:

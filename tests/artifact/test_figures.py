@@ -181,6 +181,8 @@ def test_an_interruption_leaves_nothing_and_is_resumed(checkout: Path) -> None:
     try:
         assert process.stderr is not None
         first = process.stderr.readline()
+        while first and "a_fast: done" not in first:  # what is running may be said before
+            first = process.stderr.readline()
         while not list((checkout / "build").glob("running-*/executed.ipynb")):
             assert process.poll() is None
             time.sleep(0.2)
@@ -236,3 +238,16 @@ def test_the_page_has_its_place_for_times() -> None:
     text = (ROOT / "REPRODUCING.md").read_text(encoding="utf-8")
     begin, end = (text.find(line) for line in figures.TIMES)
     assert 0 < begin < end
+
+
+def test_the_end_says_what_was_made() -> None:
+    results = [
+        figures.Result("a", "paper", "done", figures=("paper/a.png", "paper/a.csv", "paper/a.json")),
+        figures.Result("b", "paper", "fresh", figures=("paper/b.png",)),
+        figures.Result("c", "paper", "failed", problem="cell In[3]: AssertionError"),
+    ]
+    assert figures._summary(results, "paper", 245.3).splitlines() == [
+        "3 notebooks in 4:05 min: 1 executed, 1 up to date, 1 failed",
+        "2 pictures and 1 tables lie in figures/paper/ (all: figures/INDEX.md)",
+        "failed: c: cell In[3]: AssertionError",
+    ]

@@ -332,3 +332,12 @@ def test_every_figure_has_its_notebook() -> None:
     }
     files = {path for path in (ROOT / "figures").rglob("*") if path.is_file() and path.name != "INDEX.md"}
     assert {path.stem for path in files} <= published
+
+
+def test_a_quick_notebook_comes_first_and_the_longest_after_it() -> None:
+    taken = {"a": "50", "b": "4", "c": "90", "d": "7"}
+    times = {(name, "default"): (seconds, "100") for name, seconds in taken.items()}
+    assert notebooks.in_turn(list("abcd"), times, "default", 1) == ["b", "c", "a", "d"]
+    assert notebooks.in_turn(list("abcd"), times, "default", 2) == ["b", "d", "c", "a"]
+    assert notebooks.in_turn([*"abcd", "new"], times, "default", 1) == ["b", "new", "c", "a", "d"]
+    assert notebooks.in_turn(list("abcd"), {}, "paper", 2) == list("abcd")

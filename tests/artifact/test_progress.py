@@ -20,6 +20,26 @@ def test_one_line_a_notebook_without_a_terminal() -> None:
     assert len(lines) == 2
 
 
+def test_no_silence_is_longer_than_ten_seconds() -> None:
+    now = [0.0]
+    written = io.StringIO()
+    console = Console(file=written, force_terminal=False, width=60)
+    with Progress(2, console, clock=lambda: now[0]) as progress:
+        progress.start("fig08_gallery", 5)
+        now[0] = 4.0
+        progress.start("table1", 7)
+        for second in range(5, 31):
+            now[0] = float(second)
+            progress.advance("fig08_gallery", min(second // 6, 4))
+            progress.advance("table1", 0)
+    lines = written.getvalue().splitlines()
+    assert lines == [
+        "  running: fig08_gallery (1 of 5 cells, 10 s), table1 (0 of 7 cells, 6 s)",
+        "  running: fig08_gallery (3 of 5 cells, 20 s), table1 (0 of 7 cells, 16 s)",
+        "  running: fig08_gallery (4 of 5 cells, 30 s), table1 (0 of 7 cells, 26 s)",
+    ]
+
+
 def test_bars_on_a_terminal() -> None:
     written = io.StringIO()
     with Progress(1, Console(file=written, force_terminal=True, width=100)) as progress:

@@ -137,10 +137,10 @@ def test_a_cluster_gives_the_same_files(
 def test_what_was_woven_before_an_interruption_is_kept(
     tmp_path: Path, meshes: list[str], capfd: pytest.CaptureFixture[str], ending: signal.Signals
 ) -> None:
-    out, held = tmp_path / "out", tmp_path / "three.obj"
+    out, held = tmp_path / "out", tmp_path / "two.obj"
     mesh = held.read_bytes()
     held.unlink()
-    os.mkfifo(held)  # the sweep reads the last mesh twice, for its digest and to weave it: we answer once
+    os.mkfifo(held)  # the sweep reads a mesh twice, for its digest and to weave it: we answer once
     command = [sys.executable, "-m", "geoweave", "sweep", *meshes, "-o", str(out), *QUICK]
     child = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
