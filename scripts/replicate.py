@@ -64,7 +64,7 @@ def differences(committed: Table, here: Table) -> list[str]:
 
 
 def side_by_side(committed: Table, here: Table) -> list[str]:
-    """Lines of a table of one number a line, committed and here; no two cells touch, however long they are."""
+    """Lines of a table, one number a line, committed and here; no two cells touch, however long they are."""
     rows = [("field", "what", "committed", "here")]
     for one, other in zip(committed, here, strict=False):
         for column, words in WORDS.items():
