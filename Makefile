@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help figures notebooks test lint bench lock clean report site replicate
+.PHONY: help figures notebooks lab test lint bench lock clean report site replicate
 
 PYTHON  ?= python3
 PROFILE ?= default
@@ -11,6 +11,7 @@ JOBS    ?= 2
 NAMES   ?=
 LOCKFLAGS ?=
 CELL_TIMEOUT ?= 600
+LABFLAGS ?=
 
 VENV  := .venv
 PY    := $(VENV)/bin/python
@@ -51,6 +52,15 @@ notebooks: $(STAMP) ## refresh the outputs stored in notebooks/
 	@$(PY) -m geoweave.artifact.doctor --rendering
 	@$(PY) -m geoweave.artifact.figures refresh --jobs $(JOBS) $(NAMES)
 
+# What is published there must not overwrite the committed figures; the lock moves no version of the other.
+lab: $(STAMP) ## open JupyterLab on the notebooks (LABFLAGS="--no-browser --port=8890")
+	@$(PY) -c 'import jupyterlab' 2>/dev/null || { \
+	  echo "Installing JupyterLab into $(VENV) (about 20 MB to fetch, once)" >&2; \
+	  $(PY) -m pip install --quiet --requirement requirements-lab.lock; }
+	@mkdir -p build/lab
+	@GEOWEAVE_FIGURES="$(CURDIR)/build/lab/figures" IPYTHONDIR="$(CURDIR)/build/lab/ipython" PYVISTA_OFF_SCREEN=true \
+	  $(PY) -m jupyterlab --ServerApp.root_dir="$(CURDIR)" --LabApp.default_url=/lab/tree/notebooks/README.md $(LABFLAGS)
+
 test: $(STAMP) ## ruff, mypy, the tests, and nbval over every notebook not executed as it is now
 	@$(PY) -m geoweave.artifact.doctor --rendering
 	@$(PY) -m ruff check .
@@ -84,6 +94,9 @@ lock: ## choose versions anew for requirements.lock (LOCKFLAGS=--upgrade for the
 	@build/uv/bin/python -m pip install --quiet $(UV)
 	@build/uv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --all-extras \
 	  --no-annotate --custom-compile-command "make lock" $(LOCKFLAGS) pyproject.toml --output-file requirements.lock
+	@build/uv/bin/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --group lab \
+	  --constraints requirements.lock --no-annotate --custom-compile-command "make lock" $(LOCKFLAGS) \
+	  --output-file requirements-lab.lock
 
 clean: ## remove .venv, build/ and every cache; figures/ and notebooks/ stay
 	@rm -rf $(VENV) build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache

@@ -1,7 +1,9 @@
 """pyproject.toml, environment.yml, requirements.lock and the other pages about the project say the same."""
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import tomllib
 from pathlib import Path
@@ -12,7 +14,8 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parent.parent
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PROJECT_FILE = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = PROJECT_FILE["project"]
 ASKED = [
     Requirement(line)
     for line in [
@@ -85,6 +88,52 @@ def test_the_lock_names_no_place() -> None:
     assert not re.search(r"https?:|file:|--|\s/", text)
 
 
+def test_jupyterlab_moves_no_pinned_version() -> None:
+    """What `make lab` installs beside the pinned packages: the same versions, and JupyterLab as asked for."""
+    lines = (ROOT / "requirements-lab.lock").read_text(encoding="utf-8").splitlines()
+    lab = [Requirement(line) for line in lines if line and not line.startswith("#")]
+    pinned = {(canonicalize_name(pin.name), str(pin.specifier)) for pin in PINNED}
+    names = {name for name, _ in pinned}
+    for pin in lab:
+        assert pin.url is None
+        name = canonicalize_name(pin.name)
+        assert name not in names or (name, str(pin.specifier)) in pinned, f"{pin}: run make lock"
+    (asked,) = map(Requirement, PROJECT_FILE["dependency-groups"]["lab"])
+    (found,) = (pin for pin in lab if canonicalize_name(pin.name) == canonicalize_name(asked.name))
+    (only,) = found.specifier
+    assert asked.specifier.contains(only.version)
+
+
+@pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
+def test_jupyterlab_does_not_write_over_the_committed_figures() -> None:
+    recipe = subprocess.run(
+        ["make", "-n", "lab", "LABFLAGS=--no-browser"], cwd=ROOT, capture_output=True, text=True, check=True
+    ).stdout
+    assert "requirements-lab.lock" in recipe
+    assert f'GEOWEAVE_FIGURES="{ROOT}/build/lab/figures"' in recipe
+    assert "-m jupyterlab" in recipe
+    assert "--no-browser" in recipe
+
+
+def test_every_way_to_start_installs_what_drawing_needs() -> None:
+    """Container, Binder, dev container: the libraries of graphics_library.sh, and the pinned .venv."""
+    script = (ROOT / "scripts" / "graphics_library.sh").read_text(encoding="utf-8")
+    (packages,) = re.findall(r'^PACKAGES="(.+)"$', script, re.MULTILINE)
+    container = json.loads((ROOT / ".devcontainer" / "devcontainer.json").read_text(encoding="utf-8"))
+    docker = (ROOT / "Dockerfile").read_text(encoding="utf-8")
+    binder = (ROOT / "binder" / "apt.txt").read_text(encoding="utf-8").split()
+    for package in packages.split():
+        assert package in binder
+        assert package in docker
+        assert package in container["onCreateCommand"]
+    post = ROOT / "binder" / "postBuild"
+    assert os.access(post, os.X_OK)
+    for text in (docker, post.read_text(encoding="utf-8"), container["postCreateCommand"]):
+        assert "make .venv/.complete" in text
+    assert "make figures && make test" in docker
+    assert (ROOT / "binder" / "runtime.txt").read_text(encoding="utf-8").strip() == "python-3.11"
+
+
 def test_ci_runs_the_readme_command() -> None:
     script = ROOT / ".ci" / "run"
     assert os.access(script, os.X_OK)
@@ -100,7 +149,7 @@ def test_make_alone_lists_its_targets() -> None:
     out = subprocess.run(
         ["make", "--no-print-directory"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout
-    for target in ("help", "figures", "notebooks", "test", "lint", "bench", "lock", "clean"):
+    for target in ("help", "figures", "notebooks", "lab", "test", "lint", "bench", "lock", "clean"):
         assert re.search(rf"^ +{target} +\w", out, re.MULTILINE), target
 
 

@@ -17,23 +17,31 @@ import shutil
 import sys
 import tempfile
 import time
-from collections import Counter
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import nbformat
 
-from geoweave.artifact import claims, doctor, notebooks
+from geoweave.artifact import claims, crate, doctor, notebooks
 from geoweave.artifact.execution import Children, execute, interrupt_once
 from geoweave.artifact.progress import Progress
+from geoweave.artifact.results import Result, summary
 from geoweave.checkout import repository
 from geoweave.errors import GeoweaveError
 from geoweave.files import replacing
 
 UNRELATED = frozenset(
-    {"__main__.py", "cli", "viz/probe.py", "artifact/claims.py", "artifact/progress.py", "artifact/replay.py"}
+    {
+        "__main__.py",
+        "cli",
+        "viz/probe.py",
+        "artifact/claims.py",
+        "artifact/crate.py",
+        "artifact/progress.py",
+        "artifact/replay.py",
+    }
     | {"artifact/site.py", "artifact/site.css", "artifact/site_font.py", "artifact/site_text.py"}
 )
 """Files and folders of the package that no notebook imports: a change in them leaves figures as they are."""
@@ -55,38 +63,6 @@ __all__ = [
     "run",
     "stored_notebook",
 ]
-
-
-@dataclass(frozen=True)
-class Result:
-    """What became of one notebook.
-
-    Attributes
-    ----------
-    name, profile : the notebook and its profile
-    state : "fresh" (nothing to do), "done" (executed now) or "failed"
-    seconds : wall time of the execution that gave the result
-    peak_mb : peak resident memory of the kernel in MB (10^6 bytes), 0 where the platform does not report it
-    figures : published files, relative to the figures folder, in order
-    problem : for a failure, the cell, the error's last line, and where the failed notebook is kept
-    """
-
-    name: str
-    profile: str
-    state: str
-    seconds: float = 0.0
-    peak_mb: float = 0.0
-    figures: tuple[str, ...] = ()
-    problem: str = ""
-
-    def sentence(self) -> str:
-        """What the progress display says about the result."""
-        if self.state == "failed":
-            return f"failed: {self.problem}"
-        if self.state == "fresh":
-            return "up to date"
-        pictures = sum(figure.endswith(".png") for figure in self.figures)
-        return f"done in {self.seconds:.0f} s, {self.peak_mb:.0f} MB, {pictures} picture(s)"
 
 
 def digest(root: Path, name: str, profile: str) -> str:
@@ -174,25 +150,8 @@ def run(
                 children.stop()
                 pool.shutdown(cancel_futures=True)
                 raise
-    _write(root / "figures" / "INDEX.md", notebooks.figures_index(root).encode())
+    _write_catalogues(root)
     return results
-
-
-def _summary(results: Sequence[Result], profile: str, seconds: float) -> str:
-    """What a run came to, for the end of its messages: counts, place, and the failures once more."""
-    states = Counter(result.state for result in results)
-    made = Counter(Path(figure).suffix for result in results for figure in result.figures)
-    folder = "figures/" if profile == "default" else f"figures/{profile}/"
-    took = f"{int(seconds) // 60}:{int(seconds) % 60:02} min"
-    count = {state: states[state] for state in ("done", "fresh", "failed")}
-    ran = f"{count['done']} executed, {count['fresh']} up to date, {count['failed']} failed"
-    made_here = f"{made['.png']} pictures and {made['.csv']} tables"
-    failed = [f"failed: {result.name}: {result.problem}" for result in results if result.state == "failed"]
-    lines = [
-        f"{len(results)} notebooks in {took}: {ran}",
-        f"{made_here} lie in {folder} (all: figures/INDEX.md)",
-    ]
-    return "\n".join(lines + failed)
 
 
 def refresh(names: Sequence[str] = (), jobs: int = 1, root: Path | None = None) -> list[Result]:
@@ -251,7 +210,7 @@ def report(root: Path | None = None) -> int:
     machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
     table += ["", f"Measured on {machine}, Python {platform.python_version()}, {packages}."]
     _insert(root / "REPRODUCING.md", TIMES, table)
-    _write(root / "figures" / "INDEX.md", notebooks.figures_index(root).encode())
+    _write_catalogues(root)
     return len(rows)
 
 
@@ -265,6 +224,12 @@ def report_claims(root: Path | None = None) -> None:
     """
     root = repository() if root is None else root.resolve()
     _insert(root / "docs" / "results.md", CLAIMS, claims.table(root))
+
+
+def _write_catalogues(root: Path) -> None:
+    """Write what lists all figures: the index for readers, the research object for machines."""
+    _write(root / "figures" / "INDEX.md", notebooks.figures_index(root).encode())
+    _write(root / crate.FILE, crate.text(root).encode())
 
 
 def _insert(page: Path, marks: tuple[str, str], lines: Sequence[str]) -> None:
@@ -392,7 +357,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("geoweave: interrupted; the same command goes on where this one stopped", file=sys.stderr)
         return 130
     profile = getattr(options, "profile", "default")
-    print(_summary(results, profile, time.perf_counter() - started), file=sys.stderr)
+    print(summary(results, profile, time.perf_counter() - started), file=sys.stderr)
     return 1 if any(result.state == "failed" for result in results) else 0
 
 

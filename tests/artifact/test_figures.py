@@ -238,16 +238,3 @@ def test_the_page_has_its_place_for_times() -> None:
     text = (ROOT / "REPRODUCING.md").read_text(encoding="utf-8")
     begin, end = (text.find(line) for line in figures.TIMES)
     assert 0 < begin < end
-
-
-def test_the_end_says_what_was_made() -> None:
-    results = [
-        figures.Result("a", "paper", "done", figures=("paper/a.png", "paper/a.csv", "paper/a.json")),
-        figures.Result("b", "paper", "fresh", figures=("paper/b.png",)),
-        figures.Result("c", "paper", "failed", problem="cell In[3]: AssertionError"),
-    ]
-    assert figures._summary(results, "paper", 245.3).splitlines() == [
-        "3 notebooks in 4:05 min: 1 executed, 1 up to date, 1 failed",
-        "2 pictures and 1 tables lie in figures/paper/ (all: figures/INDEX.md)",
-        "failed: c: cell In[3]: AssertionError",
-    ]
