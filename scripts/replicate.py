@@ -16,8 +16,9 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from geoweave.artifact import doctor
+from geoweave.artifact import doctor, notebooks
 from geoweave.artifact.execution import Children, execute, interrupt_once
+from geoweave.artifact.progress import Progress
 from geoweave.errors import GeoweaveError
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -90,7 +91,12 @@ def main() -> int:
     work = Path(tempfile.mkdtemp(prefix="running-", dir=target.parent))
     try:
         doctor.require_rendering()
-        outcome = execute(ROOT, NAME, "default", work, Children(), lambda cells: None)
+        cells = len(notebooks.code_cells(notebooks.read(notebooks.path_of(ROOT, NAME))))
+        with Progress(1) as progress:
+            progress.start(NAME, cells)
+            outcome = execute(
+                ROOT, NAME, "default", work, Children(), lambda done: progress.advance(NAME, done)
+            )
         shutil.rmtree(target, ignore_errors=True)
         os.replace(work, target)
     except GeoweaveError as error:

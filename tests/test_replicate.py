@@ -21,12 +21,14 @@ SCRIPT = ROOT / "scripts" / "replicate.sh"
 
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
-    """The program, in a checkout that holds nothing but the committed table; drawing is taken to work."""
+    """The program, in a checkout of one notebook and its committed table; drawing is taken to work."""
     spec = importlib.util.spec_from_file_location("replicate", ROOT / "scripts" / "replicate.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     (tmp_path / "figures").mkdir()
+    (tmp_path / "notebooks").mkdir()
     shutil.copy(ROOT / "figures" / "fig07_sphere.csv", tmp_path / "figures")
+    shutil.copy(ROOT / "notebooks" / "fig07_sphere.ipynb", tmp_path / "notebooks")
     monkeypatch.setattr(module, "ROOT", tmp_path)
     monkeypatch.setattr(module, "interrupt_once", lambda: None)
     monkeypatch.setattr(module.doctor, "require_rendering", lambda: None)

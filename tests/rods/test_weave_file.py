@@ -90,6 +90,25 @@ def test_points_that_do_not_fit_the_length_are_refused_before_the_work(tmp_path:
 
 
 @pytest.mark.parametrize(
+    ("spacing", "words"),
+    [
+        (0, "metrics.spacing is 0, not a finite number above 0"),
+        (-1.0, "metrics.spacing is -1.0, not a finite number above 0"),
+        (1e-9, "metrics.spacing is 1e-09, which would cut ribbons"),
+    ],
+)
+def test_a_spacing_that_no_rod_has_is_refused_before_the_work(
+    spacing: float, words: str, tmp_path: Path
+) -> None:
+    wrong = json.loads(json.dumps(document()))
+    wrong["metrics"]["spacing"] = spacing
+    path = tmp_path / "cut.json"
+    path.write_text(json.dumps(wrong))
+    with pytest.raises(WeaveFileError, match=rf"cut\.json: {words}"):
+        read_weave(path)
+
+
+@pytest.mark.parametrize(
     ("change", "words"),
     [
         (lambda d: d.pop("width"), "its head: lacks 'width'"),
