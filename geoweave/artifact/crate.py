@@ -8,6 +8,7 @@ checkout, so the file says the same on every machine.
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -89,11 +90,10 @@ def _descriptor() -> Entity:
 
 
 def _published(root: Path) -> str:
-    """The date in CITATION.cff; a crate must have one."""
-    page = root / "CITATION.cff"
-    lines = page.read_text(encoding="utf-8").splitlines() if page.is_file() else []
-    dates = [line.split(":")[1].strip().strip('"') for line in lines if line.startswith("date-released:")]
-    return dates[0] if dates else ""
+    """The year of the licence: a crate must have a date, and nothing here changes from day to day."""
+    page = root / "LICENSE"
+    years = re.findall(r"Copyright \(c\) (\d{4})", page.read_text(encoding="utf-8")) if page.is_file() else []
+    return years[0] if years else ""
 
 
 def _fixed(version: str) -> list[Entity]:
