@@ -93,7 +93,7 @@ def test_points_that_do_not_fit_the_length_are_refused_before_the_work(tmp_path:
     ("spacing", "words"),
     [
         (0, "metrics.spacing is 0, not a finite number above 0"),
-        (-1.0, "metrics.spacing is -1.0, not a finite number above 0"),
+        (-1.0, "metrics.spacing is -1, not a finite number above 0"),
         (1e-9, "metrics.spacing is 1e-09, which would cut ribbons"),
     ],
 )
