@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from pathlib import Path
 
 import pytest
 
+from geoweave import viz
 from geoweave.artifact import notebooks
+from geoweave.meshing.write import write_mesh
+from geoweave.models import shapes
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
@@ -56,3 +60,14 @@ def test_commands_exist(page: str) -> None:
 def test_the_reading_order_names_every_notebook_once() -> None:
     read_in_order = re.findall(r"\]\((\w+)\.ipynb\)", read("notebooks/README.md"))
     assert sorted(read_in_order) == sorted(notebooks.names(ROOT))
+
+
+def test_the_lines_for_your_own_mesh_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (lines,) = re.findall(r"```python\n(.+?)```", read("notebooks/README.md"), re.DOTALL)
+    (tmp_path / "notebooks").mkdir()
+    write_mesh(shapes.torus(faces=400), tmp_path / "my-shape.obj")
+    monkeypatch.chdir(tmp_path / "notebooks")
+    shown: list[viz.Picture] = []
+    monkeypatch.setattr(viz.Picture, "show", lambda picture: shown.append(picture))
+    exec(compile(textwrap.dedent(lines), "notebooks/README.md", "exec"), {})
+    assert [picture.pixels.std() > 10 for picture in shown] == [True]
