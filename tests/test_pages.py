@@ -14,14 +14,10 @@ from geoweave.meshing.write import write_mesh
 from geoweave.models import shapes
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = (
-    "README.md",
-    "REPRODUCING.md",
-    "CONTRIBUTING.md",
-    "docs/making.md",
-    "docs/replicability.md",
-    "notebooks/README.md",
-)
+PAGES = [
+    *("README.md", "REPRODUCING.md", "CONTRIBUTING.md", "notebooks/README.md"),
+    *sorted(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md")),
+]
 MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
 
 
