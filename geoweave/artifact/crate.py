@@ -142,7 +142,7 @@ def _figures(root: Path, published: list[str], profile: str) -> tuple[list[Entit
             records.append(made)
         for ending, kind in KINDS.items():
             if (root / f"{base}.{ending}").is_file():
-                entity = {"@id": f"{base}.{ending}", "@type": "File", "encodingFormat": kind}
+                entity: Entity = {"@id": f"{base}.{ending}", "@type": "File", "encodingFormat": kind}
                 entity["name"] = f"{figure}.{ending}, profile {profile}"
                 entity["license"] = {"@id": LICENCES["CC-BY-4.0"]}
                 if ending == "png" and made.get("alt"):
