@@ -31,6 +31,7 @@ def test_every_command_runs(
     """On a ball of few ribbons in place of a shape of many."""
     monkeypatch.chdir(tmp_path)
     write(tmp_path, "my-shape", "obj", *sphere(3))
+    write_weave(cone(), tmp_path / "my-lampshade")
     for command in COMMANDS:
         words = shlex.split(command.replace("--ribbons 80", "--ribbons 8 --faces 1000 --no-relax"))
         status = main.main(words)
@@ -60,6 +61,13 @@ def test_the_table_of_presets_is_theirs() -> None:
         ]
 
 
+def test_links_and_pictures_are_there() -> None:
+    targets = re.findall(r"\]\(([^)#]+)\)", TEXT)
+    assert sum(target.endswith(".png") for target in targets) >= 3
+    for target in targets:
+        assert target.startswith("https://") or (ROOT / "docs" / target).exists(), target
+
+
 def test_every_option_is_described() -> None:
     for option in cut.params:
         for name in getattr(option, "opts", []):
@@ -67,23 +75,19 @@ def test_every_option_is_described() -> None:
                 assert f"`{name}" in TEXT, name
 
 
-def test_a_preset_is_cut_in_three_ways_and_the_twin_comes_back(
-    tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
+@pytest.mark.parametrize("preset", ["bristol-a4", "veneer-laser", "plotter-roll"])
+def test_what_is_exported_comes_back(preset: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """A cone with a hoop, measured on the drawing alone, on all its sheets."""
     write_weave(cone(), tmp_path / "cone")
-    for preset in ("bristol-a4", "veneer-laser", "plotter-roll"):
-        folder = tmp_path / preset
-        words = [
-            "cut",
-            str(tmp_path / "cone"),
-            "--preset",
-            preset,
-            "--formats",
-            "pattern,svg",
-            "-o",
-            str(folder),
-        ]
-        assert main.main(words) == 0
-        capfd.readouterr()
-        main.main(["twin", str(folder), "--json"])
-        assert json.loads(capfd.readouterr().out)["crossings"] == len(cone().document()["crossings"])
+    folder = tmp_path / preset
+    words = ["cut", str(tmp_path / "cone"), "--preset", preset, "--hoops", "9", "--formats", "svg"]
+    assert main.main([*words, "-o", str(folder)]) == 0
+    capfd.readouterr()
+    sheets = sorted(folder.glob("*.svg"))
+    assert not (folder / "pattern.json").exists()
+    assert main.main(["twin", str(folder if len(sheets) == 1 else sheets[-1]), "--json"]) == 0
+    result = json.loads(capfd.readouterr().out)
+    assert result["comes_back"] is True
+    assert result["ribbons"] == len(cone().ribbons) + 1
+    assert result["crossings"] > len(cone().ribbons.crossings) + 6
+    assert result["designed"]["crossings"]["mean"] < 0.02

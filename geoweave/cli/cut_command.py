@@ -40,6 +40,13 @@ OPTIONS = (
     ),
     click.option("--score", is_flag=True, help="A nick in both edges at every crossing."),
     click.option(
+        "--hoops",
+        type=FROM_ZERO,
+        default=0.0,
+        metavar="MM",
+        help="A hoop at every opening; strips end so far beyond its middle.",
+    ),
+    click.option(
         "--colours",
         metavar="laser|paper|#rrggbb,...",
         help="Of SVG and DXF: one for each layer (laser), those of families, or your own for families.",

@@ -16,12 +16,12 @@ DOUBTS = 5
 
 
 @click.command()
-@click.argument("source", metavar="DIR|PATTERN", type=click.Path(exists=True))
+@click.argument("source", metavar="DIR|PATTERN|SVG", type=click.Path(exists=True))
 @click.option("-o", "output", metavar="DIR", help="Folder for twin.json; that of the pattern if not given.")
 @click.option("--anyway", is_flag=True, help="Put together also a pattern that contradicts itself.")
 @as_json
 def twin(source: str, output: str | None, anyway: bool, as_json: bool) -> None:
-    """Put a pattern.json together in simulation, and say whether the woven object comes back.
+    """Put a pattern.json or a pattern.svg together in simulation, and say whether the object comes back.
 
     Exits with 1 if the strips close into another surface than the design's, or into another shape.
     """
@@ -89,7 +89,12 @@ def _rows(made: TwinOfFile) -> list[tuple[str, str]]:
         ("outside", "known" if result["side_known"] else "none: the mirror image is as possible"),
         ("at rest", f"{'yes' if made.twin.rest.converged else 'nearly'}, after {result['steps']} steps"),
         ("stretched", f"{strain['largest']:+.2%} at most, {strain['ribbon']}"),
-        ("bow", f"{bow['largest']:.3g} mm at most, {bow['ribbon']}; strips are straight"),
+        # A drawing does not say how far a ribbon is from its straight strip.
+        *(
+            [("bow", f"{bow['largest']:.3g} mm at most, {bow['ribbon']}; strips are straight")]
+            if made.path.suffix.lower() != ".svg"
+            else []
+        ),
     ]
     for what, each in made.likeness.items():
         off = each.crossings

@@ -13,6 +13,7 @@ from .flattening import (
     trimmed as trimmed,
     weave_document as weave_document,
 )
+from .hoops import hooped as hooped
 from .maker_files import (
     FORMATS as FORMATS,
     check_formats as check_formats,
@@ -32,4 +33,5 @@ from .sheet_sizes import PAPERS as PAPERS, Paper as Paper, stock_of as stock_of
 from .strip_drawing import drawn as drawn
 from .strip_layout import StripLayout as StripLayout, layout as layout
 from .svg import read_svg as read_svg
+from .svg_pattern import SvgPattern as SvgPattern, pattern_of_svg as pattern_of_svg
 from .viewer_page import viewer_html as viewer_html

@@ -34,7 +34,7 @@ def assembly(pattern: Pattern) -> tuple[Step, ...]:
     The first is the ribbon of medium length that crosses most others. While the backbone is built, only
     ribbons of medium length are taken, as long as one of them crosses what is there. Afterwards all are. Ties
     are broken by the share of a ribbon's crossings that this fixes, then by its number. A component of the
-    weave that touches no other begins like the first.
+    weave that touches no other begins like the first. Hoops close the openings, so they come last.
     """
     count = len(pattern.strips)
     crossed = np.zeros((count, count), dtype=np.int64)
@@ -42,13 +42,16 @@ def assembly(pattern: Pattern) -> tuple[Step, ...]:
     np.add.at(crossed, (pattern.ribbons[:, 1], pattern.ribbons[:, 0]), 1)
     np.fill_diagonal(crossed, 0)
     total = crossed.sum(axis=1)
-    medium = _medium(np.array([strip.length for strip in pattern.strips]))
+    hoop = np.array([strip.hoop for strip in pattern.strips], dtype=bool)
+    medium = _medium(np.array([strip.length for strip in pattern.strips])) & ~hoop
     wanted = min(max(3, math.ceil(BACKBONE * count)), count)
     placed = np.zeros(count, dtype=bool)
     held = np.zeros(count, dtype=np.int64)
     steps: list[Step] = []
     for number in range(count):
-        free = np.flatnonzero(~placed)
+        free = np.flatnonzero(~placed & ~hoop)
+        if not len(free):
+            free = np.flatnonzero(~placed)
         touching = free[held[free] > 0]
         backbone = number < wanted
         among = touching if len(touching) else free

@@ -214,7 +214,8 @@ def _flattened(document: Mapping[str, Any], ends: Sequence[tuple[float, float]])
         curve = FlatCurve(knots, length, closed) if knots else None
         bow, turning = bow_and_turning(points, normals, closed, curve)
         label, family, ends_at = str(each["label"]), int(each["family"]), openings_said(each)
-        strips.append(Strip(label, family, closed, length, bow, turning, cut, knots, ends_at))
+        hoop = bool(each.get("hoop", False))
+        strips.append(Strip(label, family, closed, length, bow, turning, cut, knots, ends_at, hoop))
         ahead = np.diff(points, axis=0, append=points[:1] if closed else points[-1:])
         steps = np.linalg.norm(ahead, axis=1)
         if not closed:
@@ -228,6 +229,10 @@ def _flattened(document: Mapping[str, Any], ends: Sequence[tuple[float, float]])
     over = np.array([each["over_index"] for each in met], dtype=np.int64)
     angle = np.empty(len(met))
     for x, (pair, where) in enumerate(zip(ribbons.tolist(), at.tolist(), strict=True)):
+        if "turn_deg" in met[x]:
+            # Where a ribbon leaves the surface, the side to which it does is known without measuring.
+            angle[x] = float(met[x]["turn_deg"])
+            continue
         place = [
             min(max(int(np.searchsorted(starts[r], s, side="right")) - 1, 0), len(starts[r]) - 1)
             for r, s in zip(pair, where, strict=True)

@@ -2,7 +2,8 @@
 
 A row holds strips of one family. The pieces of a strip that is longer than a row lie in rows that follow each
 other, and short strips fill what the last of them leaves. Rows come in the order of the numbers of their
-first strips, so that a strip is found where it is looked for.
+first strips, so that a strip is found where it is looked for. Where this wastes more than a tenth, rows are
+filled with whatever fits best, and only rows and the pieces in them are sorted; the index says where each is.
 """
 
 from __future__ import annotations
@@ -146,6 +147,9 @@ def used_share(sheets: Sequence[Sheet], around: tuple[float, float] = (0.0, 0.0)
     return float(taken / (whole + share * (last.width + around[0]) * (last.height + around[1])))
 
 
+WORTH = 0.9
+"""Rows of mixed families are laid where they need no more than this share of the height of sorted ones."""
+
 ROLL_STEP = 1.02
 """By this factor the rows along a roll are lengthened until they fit."""
 
@@ -176,7 +180,39 @@ def _sheets(drawings: Sequence[Drawn], stock: Stock, room: float) -> tuple[Sheet
 
 
 def _rows(drawings: Sequence[Drawn], room: float, gap: float) -> list[list[int]]:
-    """Which pieces lie in a row, sorted by family and number."""
+    """Which pieces lie in a row: sorted, unless that wastes too much."""
+    tidy, full = _sorted_rows(drawings, room, gap), _full_rows(drawings, room, gap)
+    tall = [sum(_height(drawings, row) + gap for row in rows) for rows in (tidy, full)]
+    return full if tall[1] <= WORTH * tall[0] else tidy
+
+
+def _height(drawings: Sequence[Drawn], row: list[int]) -> float:
+    return max(drawings[k].extent.top for k in row) - min(drawings[k].extent.bottom for k in row)
+
+
+def _full_rows(drawings: Sequence[Drawn], room: float, gap: float) -> list[list[int]]:
+    """Rows filled as well as can be, whatever the family: the longest first, each where it fills best.
+
+    Pieces are sorted within their rows, and rows by their first pieces.
+    """
+    found: list[list[int]] = []
+    left: list[float] = []
+    for k in sorted(range(len(drawings)), key=lambda k: (-_length(drawings[k]), _by(drawings)(k))):
+        need = _length(drawings[k]) + gap
+        fitting = [(left[r], r) for r in range(len(found)) if left[r] >= need - 1e-9]
+        if fitting:
+            r = min(fitting)[1]
+            found[r].append(k)
+            left[r] -= need
+        else:
+            found.append([k])
+            left.append(room + gap - need)
+    rows = [sorted(row, key=_by(drawings)) for row in found]
+    return sorted(rows, key=lambda row: _by(drawings)(row[0]))
+
+
+def _sorted_rows(drawings: Sequence[Drawn], room: float, gap: float) -> list[list[int]]:
+    """Rows of one family each, sorted by family and number, short ones behind each other."""
     rows: list[list[int]] = []
     for family in sorted({each.family for each in drawings}):
         own = sorted((k for k in range(len(drawings)) if drawings[k].family == family), key=_by(drawings))

@@ -36,6 +36,7 @@ SHAPE = documents.entries(
         documents.entries(
             {
                 "curvature": documents.each(documents.each(documents.number(), 2)),
+                "hoop": documents.flag(),
                 "openings": documents.each(documents.whole(-1), 2),
             },
             label=documents.text(),
@@ -83,6 +84,8 @@ class Strip(NamedTuple):
     openings: tuple[int, int] | None = None
     """Opening of the object, from 0, at which its first and its last end lie, -1 for an end elsewhere; None
     if it is not said, as in files of earlier versions."""
+    hoop: bool = False
+    """Whether it is the hoop of an opening, no ribbon of the weave."""
 
     @property
     def curve(self) -> FlatCurve | None:
@@ -231,6 +234,7 @@ class Pattern:
                     "trimmed": [round(each, 4) for each in strip.trimmed],
                     **({"curvature": _rounded(strip.curvature)} if strip.curvature else {}),
                     **({} if strip.openings is None else {"openings": list(strip.openings)}),
+                    **({"hoop": True} if strip.hoop else {}),
                     "crossings": [
                         {
                             "crossing": each.crossing,
@@ -285,6 +289,7 @@ class Pattern:
                     _two(each.get("trimmed", (0.0, 0.0))),
                     tuple(_two(pair) for pair in each.get("curvature", ())),
                     openings_said(each),
+                    bool(each.get("hoop", False)),
                 )
                 for each in document["strips"]
             )

@@ -65,6 +65,12 @@ def front_lines(
             "stands on both, lay one on the other so that the end of each is at the line on the other, and "
             "glue. A closed strip is joined to its own start in the same way."
         )
+    hoops = [strip.label for strip in pattern.strips if strip.hoop]
+    if hoops:
+        lines += _wrapped(
+            f"Hoops: {', '.join(hoops)}, a closed strip round each opening, laid in last. Ribbons end "
+            f"{making.hoops:g} mm beyond the middle of a hoop."
+        )
     lines += [Line(""), Line("Strip: page, row", True)]
     for drawing in drawings:
         page, row = places[drawing.piece]

@@ -35,6 +35,7 @@ class Making:
     score : whether both edges have a nick at every crossing
     labels : names "engraved" as lines, "printed" as letters of a font, or "none"
     mirror : whether strips are drawn as seen from the inside of the object, to be printed there
+    hoops : what strips keep beyond the middle of the hoop of an opening; 0 for no hoops
 
     Raises
     ------
@@ -49,11 +50,12 @@ class Making:
     score: bool = False
     labels: Labels = "engraved"
     mirror: bool = False
+    hoops: float = 0.0
 
     def __post_init__(self) -> None:
         if self.labels not in LABELS:
             raise FieldError(f"names on strips are {', '.join(LABELS)}; not '{self.labels}'")
-        for name in ("overlap", "extra", "kerf", "holes"):
+        for name in ("overlap", "extra", "kerf", "holes", "hoops"):
             value = getattr(self, name)
             if not (math.isfinite(value) and value >= 0):
                 raise FieldError(f"the {name} of strips must be 0 mm or more, not {value}")

@@ -24,7 +24,7 @@ from geoweave.fabrication.strip_labels import write_labels, write_names
 from geoweave.fabrication.strip_marks import place_marks
 from geoweave.fabrication.stroke_font import Box, boxes_overlap
 
-__all__ = ["drawn", "number_of"]
+__all__ = ["drawn", "inset_of", "number_of"]
 
 NICK = (0.12, 1.2)
 """How deep a nick goes into the edge: a share of the width, and at most so many mm."""
@@ -94,6 +94,11 @@ def _written(pattern: Pattern, piece: Piece, making: Making, raised: bool) -> St
     return canvas
 
 
+def inset_of(width: float) -> float:
+    """How far within the edges of the partner the second lines are, on a strip that goes under."""
+    return min(0.07 * width, 0.6)
+
+
 def number_of(label: str, otherwise: int) -> int:
     """The number in the name of a strip, such as 12 of A12."""
     found = re.search(r"\d+$", label)
@@ -148,6 +153,10 @@ def _headings(canvas: StripCanvas) -> None:
             )
 
 
+def _long(line: NDArray[np.float64]) -> float:
+    return float(np.hypot(*(line[1] - line[0])))
+
+
 def _guides(canvas: StripCanvas, each: Passage) -> None:
     """The edges of the partner at its angle, and its colour where it lies on top."""
     angle = np.radians(each.angle)
@@ -161,16 +170,19 @@ def _guides(canvas: StripCanvas, each: Passage) -> None:
         )
         band = clipped(middle + corners, canvas.length, canvas.edge)
         canvas.add("band", [band] if len(band) > 2 else [], True, family, "", each.crossing)
-    inset = min(0.07 * canvas.width, 0.6)
-    offsets = (canvas.edge,) if each.over else (canvas.edge, canvas.edge - inset)
+    offsets = (canvas.edge,) if each.over else (canvas.edge, canvas.edge - inset_of(canvas.width))
     lines: list[NDArray[np.float64]] = []
+    whole: list[NDArray[np.float64]] = []
     for offset in offsets:
         for sign in (1.0, -1.0):
             base = middle + sign * offset * left
             seen = within(base - far, base + far, canvas.length, canvas.edge)
             if seen is not None:
+                whole.append(np.array(seen))
                 parts = dashes(*seen, min(0.3 * canvas.width, 3.0)) if each.over else [np.array(seen)]
                 lines += [part for dash in parts for part in outside(dash, canvas.clear)]
     # What is left of a line between two letters says nothing.
-    lines = [each for each in lines if np.hypot(*(each[1] - each[0])) > CRUMB * canvas.width]
+    lines = [each for each in lines if _long(each) > CRUMB * canvas.width]
+    # Without any line nobody would know how the partner lies, so one of them crosses the letters.
+    lines = lines or sorted(whole, key=_long)[-1:]
     canvas.add("over" if each.over else "under", lines, False, family, "", each.crossing)

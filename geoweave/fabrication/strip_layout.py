@@ -259,7 +259,9 @@ class StripLayout:
 
     def _svg(self, stem: str) -> dict[str, Job]:
         def job(sheet: Sheet, title: str) -> Job:
-            return lambda path: write_svg(path, self.pattern, sheet, self.bench.colours, title)
+            return lambda path: write_svg(
+                path, self.pattern, sheet, self.bench.colours, title, self.bench.making
+            )
 
         return {f"{name}.svg": job(sheet, title) for name, title, sheet in self._numbered(stem)}
 

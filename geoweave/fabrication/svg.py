@@ -19,6 +19,7 @@ from geoweave.fabrication.colours import Colours, Ink, ink
 from geoweave.fabrication.marks import DISC, MARKS
 from geoweave.fabrication.nesting import Laid, Sheet
 from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pieces import Making
 from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure, Spot
 from geoweave.fabrication.stroke_font import text_box
 from geoweave.files import replacing
@@ -38,25 +39,34 @@ HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:inkscape="http://www.inksc
 
 
 def write_svg(
-    path: str | PathLike[str], pattern: Pattern, sheet: Sheet, colours: Colours, title: str
+    path: str | PathLike[str],
+    pattern: Pattern,
+    sheet: Sheet,
+    colours: Colours,
+    title: str,
+    making: Making | None = None,
 ) -> None:
     """Write a sheet as SVG, whole or not at all."""
-    text = svg_text(pattern, sheet, colours, title)
+    text = svg_text(pattern, sheet, colours, title, making)
     with replacing(path) as temporary:
         temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def svg_text(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> str:
+def svg_text(
+    pattern: Pattern, sheet: Sheet, colours: Colours, title: str, making: Making | None = None
+) -> str:
     """The text of the SVG: one user unit is one millimetre; ``data-`` attributes name strip and crossing.
 
     Layers come in the order in which a machine works. What most of a layer has in common is said once, of the
-    layer. Holes and round marks are circles.
+    layer. Holes and round marks are circles. Attributes of the sheet and of the outlines say how strips are
+    made and which part of which strip a piece is, so that `pattern_of_svg` can measure the pattern.
     """
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         (
             f'{HEAD}version="1.1" width="{_number(sheet.width)}mm" height="{_number(sheet.height)}mm" '
             f'viewBox="0 0 {_number(sheet.width)} {_number(sheet.height)}" '
+            f"{_made(pattern, making or Making())} "
             'fill="none" stroke-linecap="round" stroke-linejoin="round">'
         ),
         f"<title>{escape(title)}</title>",
@@ -71,11 +81,39 @@ def svg_text(pattern: Pattern, sheet: Sheet, colours: Colours, title: str) -> st
         lines.append(f'<g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}"{_stroke(*usual)}>')
         for piece, looks in drawn:
             if looks:
-                lines.append(f'<g id="{layer}-{_name(pattern, piece)}">')
+                said = _said(pattern, piece) if layer == "cut" else ""
+                lines.append(f'<g id="{layer}-{_name(pattern, piece)}"{said}>')
                 lines += [_element(each, look, usual, sheet.height) for each, look in looks]
                 lines.append("</g>")
         lines.append("</g>")
     return "\n".join([*lines, "</svg>"]) + "\n"
+
+
+def _made(pattern: Pattern, making: Making) -> str:
+    """How strips are made, as attributes of a sheet."""
+    numbers = {
+        "thickness": pattern.thickness,
+        "kerf": making.kerf,
+        "overlap": making.overlap,
+        "extra": making.extra,
+        "hoops": making.hoops,
+    }
+    said = [f'data-{name}="{value:.6g}"' for name, value in numbers.items()]
+    return " ".join([*said, f'data-mirror="{int(making.mirror)}"'])
+
+
+def _said(pattern: Pattern, laid: Laid) -> str:
+    """Which part of which strip a piece is, as attributes of its outline."""
+    piece = laid.drawn.piece
+    strip = pattern.strips[piece.strip]
+    before, after = (_number(each) for each in strip.trimmed)
+    ends = "" if strip.openings is None else f' data-openings="{strip.openings[0]} {strip.openings[1]}"'
+    return (
+        f' data-strip="{piece.strip}" data-label={quoteattr(strip.label)} data-family="{strip.family}" '
+        f'data-closed="{int(strip.closed)}" data-hoop="{int(strip.hoop)}" data-trimmed="{before} {after}" '
+        f'data-piece="{piece.number}/{piece.total}" data-from="{_number(piece.start)}"'
+        f"{ends}"
+    )
 
 
 def _inked(figures: Iterable[Figure], layer: str, colours: Colours) -> list[tuple[Figure, Ink]]:

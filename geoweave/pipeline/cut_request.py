@@ -76,6 +76,8 @@ class CutRequest:
     """Diameter of a hole at every crossing, mm; 0 for none."""
     score: bool = False
     """Whether both edges have a nick at every crossing."""
+    hoops: float = 0.0
+    """What strips keep beyond the middle of the hoop of an opening, mm; 0 for no hoops."""
     colours: str | None = None
     """Of SVG and DXF, "laser" or "paper"; or colours of the families as ``#rrggbb``, separated by commas."""
     labels: str | None = None
@@ -87,7 +89,7 @@ class CutRequest:
 
     def __post_init__(self) -> None:
         """Refuse what cannot be made."""
-        for name in ("kerf", "overlap", "margin", "gap", "end", "extra", "holes"):
+        for name in ("kerf", "overlap", "margin", "gap", "end", "extra", "holes", "hoops"):
             value = getattr(self, name)
             if value is not None and not (math.isfinite(value) and 0 <= value <= BOUND):
                 raise FieldError(f"{name} is {value}; give 0 to {BOUND:g} mm")
@@ -125,6 +127,7 @@ class CutRequest:
             self.score,
             self.setting("labels"),
             self.mirror,
+            self.hoops,
         )
         laser, paper = self._colours()
         return Bench(
@@ -153,5 +156,7 @@ class CutRequest:
         return {
             name: list(value) if isinstance(value, tuple) else value
             for name, value in given.items()
-            if value is not None and value is not False and not (name in ("holes", "extra") and value == 0)
+            if value is not None
+            and value is not False
+            and not (name in ("holes", "extra", "hoops") and value == 0)
         }

@@ -14,7 +14,7 @@ from geoweave.documents import read_json
 from geoweave.errors import FieldError
 from geoweave.files import Job, OutputError, checked_folder, printable, text_job
 from geoweave.pipeline.cut_request import CutRequest
-from geoweave.pipeline.source import Say, silent, timed
+from geoweave.pipeline.source import Say, about, silent, timed
 from geoweave.pipeline.strips import CutStrips, strips_of
 from geoweave.pipeline.weave_folder import REPORT, earlier_report, write_reported
 
@@ -99,7 +99,7 @@ def cut_folder(
     ...     sorted(name for name in made.files)
     ['pattern.svg', 'report.json']
     """
-    from geoweave.fabrication import check_formats, files_of, layout_for
+    from geoweave.fabrication import check_formats, files_of, hooped, layout_for
 
     source, wish, say = Path(folder), request or CutRequest(), callback or silent
     target = source if output is None else checked_folder(output)
@@ -110,6 +110,9 @@ def cut_folder(
     formats = check_formats(wish.formats or _held(before))
     say("laying the ribbons flat")
     with timed(seconds, "strips"):
+        if wish.hoops:
+            with about(str(source)):
+                documents = hooped(documents[WEAVE], documents.get(REST), wish.hoops)
         cut = strips_of(documents[WEAVE], documents.get(REST), wish.end)
     say("drawing the strips")
     with timed(seconds, "draw"):

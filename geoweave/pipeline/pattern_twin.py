@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +33,10 @@ __all__ = ["TwinOfFile", "twin_file"]
 
 BESIDE = {"woven": "relaxed.json", "designed": "weave.json"}
 """Weaves that a twin is compared with, where they lie beside the pattern."""
+
+
+SHEET = re.compile(r"(?P<stem>.*)-\d\d+")
+"""The name of one of several sheets of a drawing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +108,9 @@ def twin_file(
 
     Parameters
     ----------
-    source : a folder of a weave, or a ``pattern.json``
+    source : a folder of a weave, a ``pattern.json``, or a ``pattern.svg``, on which the strips are measured
+        (`geoweave.fabrication.pattern_of_svg`); one of several sheets stands for all of them. In a folder
+        with both the JSON is taken
     folder : for ``twin.json``; that of the pattern if not given
     anyway : put together also a pattern that contradicts itself
     callback : called with one line of progress at a time
@@ -114,19 +122,13 @@ def twin_file(
     OutputError
         If the file cannot be written.
     """
-    from geoweave.rods import read_weave
-
     path, say = Path(source), callback or silent
-    path = path / "pattern.json" if path.is_dir() else path
+    path = _inside(path) if path.is_dir() else path
     target = checked_folder(path.parent if folder is None else folder)
     seconds: dict[str, float] = {}
     with timed(seconds, "read"):
-        pattern = _read(path)
-        beside = {
-            what: read_weave(path.with_name(BESIDE[what]))
-            for what in _wanted(path)
-            if path.with_name(BESIDE[what]).is_file()
-        }
+        pattern, hoops = _read(path)
+        beside = _beside(path, hoops)
     with about(str(path)):
         twin, likeness = put_together(pattern, beside, seconds, say, anyway=anyway)
     with timed(seconds, "write"):
@@ -144,6 +146,23 @@ def _designed(weave: Mapping[str, Any] | None) -> tuple[int | None, int | None]:
     if weave is None:
         return None, None
     return weave["surface"]["genus"], openings_of(pattern_of(weave))
+
+
+def _beside(path: Path, hoops: float) -> dict[str, Mapping[str, Any]]:
+    """The weaves that lie beside a pattern, with hoops if it has some; first the one that decides."""
+    from geoweave.fabrication import hooped
+    from geoweave.rods import read_weave
+
+    found: dict[str, Mapping[str, Any]] = {
+        what: read_weave(path.with_name(BESIDE[what]))
+        for what in _wanted(path)
+        if path.with_name(BESIDE[what]).is_file()
+    }
+    if not hoops or "designed" not in found:
+        return found
+    with about(str(path.parent)):
+        both = hooped(found["designed"], found.get("woven"), hoops)
+    return {what: both[BESIDE[what]] for what in found}
 
 
 def _wanted(path: Path) -> list[str]:
@@ -224,9 +243,34 @@ def _write(path: Path, folder: Path, twin: Twin, likeness: Mapping[str, Likeness
     return write_texts(texts, folder)
 
 
-def _read(path: Path) -> Pattern:
-    """Read a pattern, or say in one sentence why not."""
-    from geoweave.fabrication import Pattern
+def _inside(folder: Path) -> Path:
+    """The file of a folder that a pattern is read from."""
+    drawings = sorted(folder.glob("pattern*.svg"))
+    plain = folder / "pattern.json"
+    return drawings[0] if drawings and not plain.is_file() else plain
 
+
+def _sheets(path: Path) -> list[Path]:
+    """All sheets of a drawing."""
+    found = SHEET.fullmatch(path.stem)
+    if found is None:
+        return [path]
+    others = path.parent.glob(f"*{path.suffix}")
+    of = {each: SHEET.fullmatch(each.stem) for each in others}
+    return sorted(each for each, name in of.items() if name is not None and name["stem"] == found["stem"])
+
+
+def _read(path: Path) -> tuple[Pattern, float]:
+    """Read a pattern, and what its strips keep beyond hoops, or say in one sentence why not."""
+    from geoweave.fabrication import Pattern, pattern_of_svg
+
+    if path.suffix.lower() == ".svg":
+        with about(str(path.parent)):
+            drawn = pattern_of_svg(_sheets(path))
+        return drawn.pattern, drawn.hoops
     document = read_json(path, FieldError, "make one with 'geoweave weave --formats pattern'")
-    return Pattern.from_document(document, str(path))
+    making = document.get("making")
+    hoops = making.get("hoops", 0.0) if isinstance(making, Mapping) else 0.0
+    if not (isinstance(hoops, int | float) and 0 <= hoops < math.inf):
+        raise FieldError(f"{path}: its making has hoops of {hoops!r}; give 0 mm or more")
+    return Pattern.from_document(document, str(path)), float(hoops)

@@ -362,7 +362,7 @@ def assembled(
 
 def _matched(pattern: Pattern, pairs: Indices, at: Scalars, places: Vectors) -> Vectors:
     """(C, 3) where the crossings of a pattern are in a weave: by number, or the nearest of both ribbons."""
-    if np.array_equal(pairs, pattern.ribbons):
+    if np.array_equal(np.sort(pairs, axis=1), np.sort(pattern.ribbons, axis=1)):
         return places
     # Near-duplicates were merged on the way from the one to the other, so numbers have moved.
     of_pair: dict[tuple[int, int], list[int]] = {}

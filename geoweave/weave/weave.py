@@ -9,7 +9,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from geoweave.arrays import Indices, Scalars
+from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.curves import geodesic_curvature
 from geoweave.errors import FieldError
 from geoweave.files import replacing
@@ -22,7 +22,16 @@ from geoweave.weave.passages import Passages
 from geoweave.weave.ribbon_ends import openings_reached
 from geoweave.weave.ribbons import Ribbons
 
-__all__ = ["WEAVE_FORMAT", "WEAVE_VERSION", "Design", "Units", "Weave", "default_width", "labels"]
+__all__ = [
+    "WEAVE_FORMAT",
+    "WEAVE_VERSION",
+    "Design",
+    "Units",
+    "Weave",
+    "boundary_normals",
+    "default_width",
+    "labels",
+]
 
 WEAVE_FORMAT, WEAVE_VERSION = "geoweave-weave", 1
 """What the first lines of ``weave.json`` say."""
@@ -259,6 +268,12 @@ class Weave:
                 "area": float(self.mesh.face_areas.sum() * unit**2),
                 "branch_points": place(self.mesh.vertices[self.branch_points]).tolist(),
                 "singularities": self._singularities(),
+                "openings": [
+                    {"points": place(self.mesh.vertices[loop]).tolist(), "normals": normals.tolist()}
+                    for loop, normals in zip(
+                        self.mesh.boundary_loops, boundary_normals(self.mesh), strict=True
+                    )
+                ],
             },
             "ribbons": [
                 {
@@ -307,6 +322,14 @@ class Weave:
         text = json.dumps(self.document(), allow_nan=False)
         with replacing(path) as temporary:
             temporary.write_text(text + "\n", encoding="utf-8")
+
+
+def boundary_normals(mesh: TriMesh) -> list[Vectors]:
+    """For each boundary loop the (L, 3) unit normals of the faces along it, from each vertex to the next."""
+    edges = mesh.edges[mesh.boundary_edges]
+    normal = mesh.face_normals[mesh.edge_faces[mesh.boundary_edges, 0]]
+    after = dict(zip(edges[:, 0].tolist(), normal, strict=True))
+    return [np.array([after[vertex] for vertex in loop.tolist()]) for loop in mesh.boundary_loops]
 
 
 def labels(families: Indices) -> list[str]:

@@ -16,6 +16,7 @@ import pytest
 from laidflat import circles, cone, flat
 
 from geoweave.cli import main
+from geoweave.fabrication.svg import read_svg
 from geoweave.pipeline.weave_folder import write_weave
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -240,6 +241,27 @@ def test_labels(cut: Run, folder: Path) -> None:
     assert "A1 >" in texts["printed"]
     assert not texts["none"]
     assert not texts["engraved"]
+
+
+def test_hoops(cut: Run, tmp_path: Path) -> None:
+    """A closed strip round the rim, and the same mark on it and on the ribbon that meets it."""
+    write_weave(cone(), tmp_path / "cone")
+    result = cut("--hoops", "9", "--formats", "svg,csv,pattern", of=tmp_path / "cone")
+    assert result["strips"] == len(cone().ribbons) + 1
+    lengths, marks = read_svg(tmp_path / "cut" / "pattern.svg")
+    rim = cone().document()["surface"]["openings"][0]["points"]
+    length = float(np.linalg.norm(np.diff([*rim, rim[0]], axis=0), axis=1).sum())
+    assert lengths["H1"] == pytest.approx(length + 15, abs=1e-2)  # with its tab
+    on_hoop = {(each.crossing, each.outline): each.role for each in marks if each.strip == "H1"}
+    others = {(e.crossing, e.outline): e.role for e in marks if e.strip != "H1" and e.crossing >= 0}
+    assert len(on_hoop) > 6
+    for key, role in on_hoop.items():
+        assert {role, others[key]} == {"hollow", "solid"}
+    text = (tmp_path / "cut" / "cutlist.csv").read_text(encoding="utf-8")
+    assert [row["strip"] for row in csv.DictReader(io.StringIO(text.split("\n\n")[0]))][-1] == "H1"
+    error = cut("--hoops", "1", of=tmp_path / "cone", status=2)["error"]
+    assert "give --hoops" in error
+    assert error.count("\n") == 1
 
 
 def test_layers_come_in_working_order(cut: Run, folder: Path) -> None:

@@ -119,6 +119,17 @@ def test_it_loads_from_a_file_without_a_network(chromium: Any, pages: dict[str, 
         assert 0.02 < coloured.mean() < 0.9
 
 
+def test_both_strips_stand_above_the_footer(chromium: Any, pages: dict[str, Path]) -> None:
+    """On a screen of 1280 x 800, at the first crossing."""
+    with opened(chromium, pages[next(iter(SOURCES))], (1280, 800)) as it:
+        it.wait("guide.still()")
+        while it.page.is_hidden("#other"):
+            it.page.keyboard.press("ArrowRight")
+        it.wait("guide.still()")
+        low = it.do("document.querySelector('#other').getBoundingClientRect().bottom")
+        assert low <= it.do("document.querySelector('footer').getBoundingClientRect().top")
+
+
 @pytest.mark.parametrize("name", SOURCES)
 def test_steps_are_those_of_the_assembly(chromium: Any, pages: dict[str, Path], name: str) -> None:
     """Every strip is taken once, every crossing laid once, when both its strips are there."""
