@@ -130,6 +130,8 @@ def run(
     with Progress(len(chosen)) as progress:
         if len(chosen) > 1:
             progress.say(f"{len(chosen)} notebooks, {jobs} at a time; the quickest first, then the longest")
+        if not any((root / "geoweave").rglob("*.nbi")):
+            progress.say("loops are compiled as they are first needed: about a minute more, this time only")
 
         def bring(name: str) -> Result:
             result = None if force else _stored(root, name, profile, keys[name])

@@ -180,8 +180,10 @@ def test_an_interruption_leaves_nothing_and_is_resumed(checkout: Path) -> None:
     process = subprocess.Popen(command, cwd=checkout, stderr=subprocess.PIPE, text=True)
     try:
         assert process.stderr is not None
+        said_before = []
         first = process.stderr.readline()
-        while first and "a_fast: done" not in first:  # what is running may be said before
+        while first and "a_fast: done" not in first:
+            said_before.append(first)
             first = process.stderr.readline()
         while not list((checkout / "build").glob("running-*/executed.ipynb")):
             assert process.poll() is None
@@ -191,6 +193,10 @@ def test_an_interruption_leaves_nothing_and_is_resumed(checkout: Path) -> None:
     finally:
         process.kill()
     assert "[1/2] a_fast: done" in first
+    assert said_before[0].startswith("2 notebooks, 1 at a time")
+    assert any(
+        "loops are compiled" in line for line in said_before
+    )  # there is no compiled loop in this checkout
     assert "interrupted" in said
     assert process.returncode == 130
     assert not list((checkout / "build").glob("running-*"))
