@@ -27,7 +27,7 @@ WEAVE, REST = "weave.json", "relaxed.json"
 OF_STRIPS = ("pattern", "cutlist", "guide", "weave.glb")
 """How the names of files begin that are written from strips."""
 
-WOVEN = ("weave.json", "relaxed.json", "weave.rod")
+WOVEN = ("weave.json", "relaxed.json", "weave.rod", "design.npz")
 """Files of a weave that cutting leaves as they are."""
 
 DEFAULT = ("pattern", "csv", "svg", "pdf")

@@ -119,6 +119,8 @@ def weave_file(
     folder: str | os.PathLike[str],
     request: WeaveRequest | None = None,
     *,
+    design: Weave | None = None,
+    keep_design: bool = False,
     callback: Say | None = None,
 ) -> WovenFiles:
     """Read a mesh, weave it, relax the weave, and write files to make it by, as ``geoweave weave`` does.
@@ -128,6 +130,8 @@ def weave_file(
     mesh : path of a file, or name of a data set; `MeshSource` says more
     folder : for the files; it is made if it is not there, in a folder that is
     request : what the weave is to be like and what is written; all as by default if not given
+    design : the weave itself, if it was designed before on this mesh; then only what follows is done
+    keep_design : whether to write ``design.npz`` too
     callback : called with one line of progress at a time
 
     Returns
@@ -163,10 +167,12 @@ def weave_file(
     source, request, say = source_of(mesh), request or WeaveRequest(), callback or silent
     target = checked_folder(folder)
     cut, wanted = formats_of(request.formats_wanted, request.size)
+    wanted = (*wanted, "design") if keep_design else wanted
     seconds: dict[str, float] = {}
     with about(source.name):
         prepared = _even_surface(source, request, seconds, say)
-        made = attempted(prepared, source.seed, request, bool(cut), seconds, say)
+        _check_surface(prepared, design)
+        made = attempted(prepared, source.seed, request, bool(cut), seconds, say, design)
         verdict = made.verdict
         if verdict is not None and verdict.word == DO_NOT:
             with timed(seconds, "remedies"):
@@ -191,6 +197,14 @@ def weave_file(
         left_out=left_out,
         seconds=seconds,
     )
+
+
+def _check_surface(prepared: Prepared, design: Weave | None) -> None:
+    """Refuse a design on another mesh."""
+    import numpy as np
+
+    if design is not None and not np.array_equal(design.mesh.faces, prepared.mesh.faces):
+        raise FieldError("the mesh is not the one that the weave was designed on; weave it anew")
 
 
 def _even_surface(source: MeshSource, request: WeaveRequest, seconds: dict[str, float], say: Say) -> Prepared:

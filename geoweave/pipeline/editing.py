@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from geoweave.errors import FieldError
 from geoweave.pipeline.design import WovenFiles, weave_file
+from geoweave.pipeline.design_file import DESIGN_FILE, read_design
 from geoweave.pipeline.made_from import read_made_from
 from geoweave.pipeline.source import Say
 from geoweave.pipeline.weave_folder import earlier_report
@@ -84,6 +85,9 @@ def edit_folder(
 ) -> EditedFiles:
     """Make a weave again with changes, as ``geoweave edit`` does.
 
+    Only what depends on the changes is done: where ribbons are dropped or crossings flipped and the folder
+    holds ``design.npz``, the field and its level sets stay as they are.
+
     Parameters
     ----------
     folder : that `weave_file` wrote
@@ -106,7 +110,7 @@ def edit_folder(
     geoweave.errors.FieldError: no such folder: holds no weave.json; ...
     """
     from geoweave.rods import read_weave
-    from geoweave.weave import Edits, design_key, read_edits
+    from geoweave.weave import Edits, design_key, edited, read_edits
 
     source = Path(folder)
     if not (source / WEAVE).is_file():
@@ -120,7 +124,12 @@ def edit_folder(
         )
     surface, request = read_made_from(before, str(source), mesh)
     request = replace(request, edits=(*request.edits, changes))
-    made = weave_file(surface, source if output is None else output, request, callback=callback)
+    design = None
+    if not changes.steers and (source / DESIGN_FILE).is_file():
+        design = edited(read_design(source / DESIGN_FILE), changes)
+    target = source if output is None else output
+    # The design is kept, so that the next change needs none.
+    made = weave_file(surface, target, request, design=design, keep_design=True, callback=callback)
     after = earlier_report(made.files["report.json"].parent)
     return EditedFiles(source, changes, made, before, after)
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from geoweave.files import Job, chosen, text_job, written_together
+from geoweave.pipeline.design_file import DESIGN_FILE, design_job
 from geoweave.rods import Relaxed, RodFile, file_of_rods, rod_text, rods_of_ribbons
 from geoweave.weave import Inspection, Weave, inspected
 
@@ -28,12 +29,13 @@ __all__ = [
 ]
 
 REPORT = "report.json"
-DESIGN = ("weave.json", "weave.rod")
+DESIGN = ("weave.json", "weave.rod", DESIGN_FILE)
 """Files of a weave as it was designed, whatever shape it takes at rest."""
 
 FORMATS = {
     "json": "weave.json and report.json, which are always written",
     "rod": "weave.rod, the ribbons as elastic rods for RibbonSim",
+    "design": "design.npz, from which 'geoweave edit' goes on without designing again",
 }
 """What a weave can be written as."""
 
@@ -108,7 +110,10 @@ def write_weave(
     said |= dict(about or {})
     if "rod" in wanted:
         texts["weave.rod"] = rod_text(rod_file(weave))
-    return write_reported(text_jobs(texts) | dict(more or {}), said, folder)
+    jobs = text_jobs(texts)
+    if "design" in wanted:
+        jobs[DESIGN_FILE] = design_job(weave)
+    return write_reported(jobs | dict(more or {}), said, folder)
 
 
 def write_reported(

@@ -24,7 +24,7 @@ from .inspection import Inspection as Inspection, inspected as inspected
 from .passages import Passages as Passages, merged as merged
 from .phase import PHASES as PHASES, Phase as Phase, phase_of as phase_of
 from .regularity import Regularity as Regularity, piled_crossings as piled_crossings
-from .ribbons import Ribbons as Ribbons
+from .ribbons import Cutting as Cutting, Ribbons as Ribbons
 from .singularity_search import Stage as Stage, searched as searched
 from .steering import (
     Singularity as Singularity,

@@ -51,10 +51,24 @@ def test_dropped_and_flipped_in_the_strips(woven: Path, tmp_path: Path) -> None:
     assert made.differs["crossings"][0] > made.differs["crossings"][1]
     assert made.differs["total_length"][0] > made.differs["total_length"][1]
     assert made.made.verdict is not None
+    first = {name: (tmp_path / "one" / name).read_bytes() for name in ("weave.json", "report.json")}
     # The folder says how it was made, and can be edited again.
     second = Edits(design_key(after), "mm", (labels[1],))
-    edit_folder(tmp_path / "one", second)
+    again = edit_folder(tmp_path / "one", second)
+    # The field was solved once: the design is beside the first change, and the second begins there.
+    assert "field" in made.made.seconds
+    assert "field" not in again.made.seconds
+    assert again.made.files["design.npz"].is_file()
     assert [each["label"] for each in document(tmp_path / "one")["ribbons"]] == labels[2:]
+    # Designed anew with both changes one after the other it is the same weave.
+    (tmp_path / "two").mkdir()
+    for name in ("weave.json", "report.json"):
+        (tmp_path / "two" / name).write_bytes(first[name])
+    edit_folder(tmp_path / "two", second)
+    kept = document(tmp_path / "one")["metrics"]
+    solved = document(tmp_path / "two")
+    solved["metrics"] = {name: solved["metrics"][name] for name in kept}
+    assert solved == document(tmp_path / "one")
     # But a weave of another design has other ribbons.
     third = Edits(design_key(document(tmp_path / "one")), "mm", align=((0.0, 0.0, 1.0),))
     with pytest.raises(FieldError, match="edit the weave as it was before that"):

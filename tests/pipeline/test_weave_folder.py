@@ -24,9 +24,9 @@ def pattern() -> Weave:
 
 
 def test_every_file_is_there(tmp_path: Path) -> None:
-    files = write_weave(pattern(), tmp_path / "new", ["rod"])
+    files = write_weave(pattern(), tmp_path / "new", ["rod", "design"])
     assert sorted(files) == sorted(path.name for path in (tmp_path / "new").iterdir())
-    assert sorted(files) == ["report.json", "weave.json", "weave.rod"]
+    assert sorted(files) == ["design.npz", "report.json", "weave.json", "weave.rod"]
     assert json.loads(files["weave.json"].read_text()) == json.loads(json.dumps(pattern().document()))
     assert json.loads(files["report.json"].read_text())["counts"]["loose_end"] == 0
     first = {name: path.read_bytes() for name, path in files.items()}
