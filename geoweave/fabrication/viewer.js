@@ -8,7 +8,7 @@
   const many = (count, one) => count === 1 ? `one ${one}` : `${count.toLocaleString("en")} ${one}s`;
   const unit = content.units === "mm" ? " mm" : "";
   const number = (value) => `${value.toLocaleString("en", { maximumSignificantDigits: value < 100 ? 3 : 4 })}${unit}`;
-  const modes = { look: "Look", points: "Branch points", line: "Direction" };
+  const modes = { look: "Look", points: "Points", line: "Direction" };
   const colours = { family: "by family", bend: "by curvature, sideways", hard: "by hard place", force: "by force at the crossings" };
   let space = null, moving = false, hint = "";
 
@@ -217,7 +217,7 @@
       const again = button("Begin again", () => { edits.forget(); changed(); }, { id: "again" });
       again.disabled = !edits.line.length;
       box.replaceChildren(make("p", {}, edits.line.length < 2 ? "Tap two or more points on the weave; one family of ribbons then follows the line."
-        : `A line of ${edits.line.length} points.`), make("label", {}, all, " The same direction everywhere"), again);
+        : `A line of ${edits.line.length} points.`), make("label", {}, all, "The same direction everywhere"), again);
       hint = "Tap points of the line";
     }
     $("hint").textContent = hint;
