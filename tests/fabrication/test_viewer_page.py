@@ -342,7 +342,8 @@ def test_text_can_be_read_and_buttons_can_be_hit(chromium: Any, pages: dict[str,
         assert [each for each in found if each[0] < 4.5] == []
         if size == "phone":
             heights = it.do(
-                "[...document.querySelectorAll('button, select, label:has(input), summary')].filter((each) => each.checkVisibility())"
+                "[...document.querySelectorAll('button, select, label:has(input), summary')]"
+                ".filter((each) => each.checkVisibility())"
                 ".map((each) => [each.getBoundingClientRect().height, each.textContent])"
             )
             assert [each for each in heights if each[0] < 40] == []
