@@ -179,9 +179,7 @@ def weave_file(
                 verdict = with_remedy(verdict, made, prepared, source, request, say)
         with timed(seconds, "write"):
             jobs, left_out = _pattern_jobs(source, request, made.weave, made.cut, cut)
-            said = {} if made.cut is None else {"strips": made.cut.document()}
-            said |= {} if verdict is None else {"verdict": verdict.document()}
-            said |= {"made_from": made_from(source, request)}
+            said = _said(source, request, made.cut, verdict)
             files = write_weave(made.weave, target, wanted, made.inspection, made.relaxed, jobs, said)
     seconds["total"] = sum(seconds.values())
     return WovenFiles(
@@ -197,6 +195,15 @@ def weave_file(
         left_out=left_out,
         seconds=seconds,
     )
+
+
+def _said(
+    source: MeshSource, request: WeaveRequest, cut: CutStrips | None, verdict: Verdict | None
+) -> dict[str, Any]:
+    """What the report says beside the inspection."""
+    said: dict[str, Any] = {} if cut is None else {"strips": cut.document()}
+    said |= {} if verdict is None else {"verdict": verdict.document()}
+    return said | {"made_from": made_from(source, request)}
 
 
 def _check_surface(prepared: Prepared, design: Weave | None) -> None:
