@@ -137,8 +137,7 @@ def weave_file(
     Returns
     -------
     WovenFiles
-        The weave, what was found of it, and the paths of the files. ``weave.json`` and ``report.json`` are
-        always among them.
+        The weave and the paths of the files, with ``weave.json`` and ``report.json`` always among them.
 
     Raises
     ------
@@ -166,8 +165,8 @@ def weave_file(
     """
     source, request, say = source_of(mesh), request or WeaveRequest(), callback or silent
     target = checked_folder(folder)
-    cut, wanted = formats_of(request.formats_wanted, request.size)
-    wanted = (*wanted, "design") if keep_design else wanted
+    asked = (*request.formats_wanted, "design") if keep_design else request.formats_wanted
+    cut, wanted = formats_of(asked, request.size)
     seconds: dict[str, float] = {}
     with about(source.name):
         prepared = _even_surface(source, request, seconds, say)
