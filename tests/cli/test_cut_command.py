@@ -136,6 +136,31 @@ def test_overlap_and_pieces_agree(cut: Run, folder: Path) -> None:
     assert json.loads((folder.with_name("cut") / "pattern.json").read_text())["making"]["overlap"] == 10
 
 
+def test_index_cut_list_pages_and_guide_agree(cut: Run, folder: Path) -> None:
+    """Each piece stands by name on the page that the cut list and the guide say, and on no other."""
+    import pypdfium2 as pdfium
+
+    cut("--sheet", "110x90", "--paper", "a4", "--formats", "svg,csv,pdf,guide")
+    made = folder.with_name("cut")
+    document = pdfium.PdfDocument(made / "pattern-a4.pdf")
+    pages = [document[k].get_textpage().get_text_range() for k in range(len(document))]
+    page = (made / "guide.html").read_text(encoding="utf-8")
+    found = re.search(r'<script id="content" type="application/json">(.*?)</script>', page, re.DOTALL)
+    assert found is not None
+    content = json.loads(found[1].replace("<\\/", "</"))
+    said = dict(zip((each[0] for each in content["strips"]), content["found"], strict=True))
+    text = (made / "cutlist.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(io.StringIO(text.split("\n\n")[0])))
+    assert len(rows) == 24
+    for row in rows:
+        name = f"{row['strip']} {row['piece']}"
+        assert [k for k, each in enumerate(pages, 1) if f"{name} >" in each] == [int(row["a4_page"])]
+        assert f"{name}: page {row['a4_page']}, row {row['a4_row']}" in pages[0]
+        assert f"{row['piece']} A4 page {row['a4_page']}, row {row['a4_row']}" in said[row["strip"]]
+        sheet = root(folder, f"pattern-{int(row['sheet_page']):02d}.svg")
+        assert f"cut-{name.replace(' ', '-').split('/')[0]}" in {each.get("id") for each in sheet.iter()}
+
+
 def test_end_and_extra(cut: Run, folder: Path) -> None:
     ends = {}
     for end in ("4", "12"):
