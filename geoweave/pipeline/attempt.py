@@ -12,9 +12,17 @@ from geoweave.pipeline.pattern_twin import put_together
 from geoweave.pipeline.request import WeaveRequest
 from geoweave.pipeline.source import MeshSource, Say, silent, timed
 from geoweave.pipeline.strips import CutStrips, strips_of
-from geoweave.pipeline.verdict import BUT, DO_NOT, Verdict, rebuilt_reasons, verdict_of
+from geoweave.pipeline.verdict import (
+    BUT,
+    DO_NOT,
+    Verdict,
+    rebuilt_reasons,
+    surface_reasons,
+    verdict_of,
+)
 
 if TYPE_CHECKING:
+    from geoweave.fabrication import Pattern
     from geoweave.meshing import Prepared
     from geoweave.rods import CurvedStep, Relaxed, Step, StripKind
     from geoweave.weave import Edits, Inspection, Weave
@@ -49,6 +57,8 @@ def attempted(
     seconds: dict[str, float],
     say: Say,
     design: Weave | None = None,
+    *,
+    trial: bool = False,
 ) -> Attempt:
     """Design a weave on a surface, relax it, and judge its strips.
 
@@ -61,6 +71,7 @@ def attempted(
     seconds : the time of each stage is entered here
     say : called with one line of progress at a time
     design : the weave before it has its size, if there is one; else it is designed
+    trial : whether only the verdict is wanted, so that a design that fails on paper is not relaxed
     """
     from geoweave.weave import inspected
 
@@ -69,6 +80,8 @@ def attempted(
     weave = design.sized(request.size, request.width, request.thickness)
     with timed(seconds, "inspection"):
         inspection = inspected(weave)
+    if cut and trial and (flat := _flat_reasons(weave, strips_of(weave, None).pattern, inspection)):
+        return Attempt(weave, inspection, None, None, Verdict(DO_NOT, flat, ""))
     relaxed = _relaxed(weave, request.strips, seconds, say) if request.relax else None
     if not cut:
         return Attempt(weave, inspection, relaxed, None, None)
@@ -88,11 +101,13 @@ def _judged(
 ) -> Verdict:
     """Put the strips together in simulation, exactly as they are written, and judge what comes of them."""
     from geoweave.fabrication import Pattern
-    from geoweave.twin import openings_of, surface_of
+    from geoweave.twin import openings_of
 
     written = Pattern.from_document(json.loads(json.dumps(strips.pattern.document())))
+    if flat := _flat_reasons(weave, written, inspection):
+        return Verdict(DO_NOT, flat, "")
     parts = weave.mesh.n_components
-    if parts > 1 and len(surface_of(written).pieces) == parts:
+    if parts > 1:
         found = verdict_of(inspection, strips, relaxed, ())
         why = f"the object is in {parts} parts, which were not put together in simulation"
         return found if found.word == DO_NOT else Verdict(BUT, (why, *found.reasons), found.remedy)
@@ -109,6 +124,22 @@ def _judged(
     return verdict_of(inspection, strips, relaxed, broken)
 
 
+def _flat_reasons(weave: Weave, pattern: Pattern, inspection: Inspection) -> tuple[str, ...]:
+    """Why nobody can make an object of strips, as far as it shows before they are put together."""
+    from geoweave.twin import check_sound, openings_of, surface_of
+
+    parts = weave.mesh.n_components
+    try:
+        surface = surface_of(pattern)
+        if parts == 1 or len(surface.pieces) != parts:
+            check_sound(surface)
+    except FieldError as error:
+        # Without what the message advises for a file: a verdict names what was tried here.
+        return (str(error).partition("; ")[0], *inspection.violations)
+    wrong = surface_reasons(surface, weave.mesh.genus, openings_of(pattern)) if parts == 1 else ()
+    return (*wrong, *inspection.violations)
+
+
 def with_remedy(
     verdict: Verdict,
     first: Attempt,
@@ -117,24 +148,33 @@ def with_remedy(
     request: WeaveRequest,
     say: Say,
 ) -> Verdict:
-    """Try what may help where strips are not to be cut, the nearest first, and say what did."""
+    """Try what may help where strips are not to be cut, the nearest first, and say what did.
+
+    A trial ends as soon as its strips fail, which most do before anything is relaxed: where a design closes
+    into a wrong surface, so do its strips at another width, or as not relaxed.
+    """
     tried = []
     for option, what, other, design, surface in _remedies(first, prepared, request, source.name):
         say(f"trying {what}")
         tried.append(what)
         try:
-            found = attempted(surface(), source.seed, other, True, {}, silent, design).verdict
+            found = attempted(surface(), source.seed, other, True, {}, silent, design, trial=True).verdict
         except GeoweaveError:
             continue
         if found is not None and found.word != DO_NOT:
             return replace(verdict, remedy=f"{option} helps ({what}): then the verdict is '{found.word}'")
-    return replace(verdict, remedy=f"Tried in vain: {', '.join(tried)}; try another --size, --scale or mesh")
+    vain = f"Tried in vain: {', '.join(tried)}; try" if tried else "Try"
+    return replace(verdict, remedy=f"{vain} another --size, --scale or mesh")
 
 
 def _remedies(
     first: Attempt, prepared: Prepared, request: WeaveRequest, name: str
 ) -> Iterator[tuple[str, str, WeaveRequest, Weave | None, Callable[[], Prepared]]]:
-    """Options that may help, in words, as requests; the design where it is the same one, and the surface."""
+    """Options that may help, in words, as requests; the design where it is the same one, and the surface.
+
+    A finer mesh draws the same ribbons more exactly. That mends a design that is wrong, and no strips that
+    are right and do not hold their shape, so it is tried for the first alone.
+    """
     from geoweave.meshing import remeshed
 
     weave, narrow = first.weave, first.inspection.suggested_width
@@ -150,6 +190,8 @@ def _remedies(
     if 0 < fewer < ribbons:
         other = replace(request, ribbons=fewer, scale=None)
         yield f"--ribbons {fewer}", "fewer ribbons", other, None, lambda: prepared
+    if first.cut is not None and not _flat_reasons(weave, first.cut.designed, first.inspection):
+        return
     faces = FINER * prepared.mesh.n_faces
     other = replace(request, ribbons=ribbons, scale=None)
     finer = f"--faces {faces} --ribbons {ribbons}"

@@ -85,8 +85,23 @@ def rebuilt_reasons(
         found.append(
             f"put together, the object has another shape: {one} crosses {other} "
             f"{off * target.diagonal:.3g} mm from its place, {off:.1%} of the diagonal"
+            f"{_hanging(twin.surface, target.worst)}"
         )
     return tuple(found)
+
+
+def _hanging(surface: PatternSurface, crossing: int) -> str:
+    """What is to be said of a crossing whose place is not certain, since little holds the part it is in."""
+    from geoweave.twin import hanging_parts
+
+    for part in hanging_parts(surface):
+        if crossing in part.crossings:
+            one, other = (surface.pattern.strips[r].label for r in surface.pattern.ribbons[part.at])
+            return (
+                f"; it is one of {len(part.crossings)} crossings that hang on the rest at one place, where "
+                f"{one} crosses {other}"
+            )
+    return ""
 
 
 def surface_reasons(surface: PatternSurface, genus: int | None, openings: int | None) -> tuple[str, ...]:

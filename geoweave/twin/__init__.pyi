@@ -1,8 +1,10 @@
 from .contradictions import (
     Contradiction as Contradiction,
+    check_sound as check_sound,
     contradiction_sentence as contradiction_sentence,
     contradictions_of as contradictions_of,
 )
+from .hanging_parts import HangingPart as HangingPart, hanging_parts as hanging_parts
 from .pattern_surface import (
     PatternSurface as PatternSurface,
     openings_of as openings_of,

@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from geoweave.arrays import Flags
+from geoweave.errors import FieldError
 from geoweave.fabrication import Pattern
 from geoweave.twin.pattern_surface import PatternSurface, next_present, rings, surface_of
 
-__all__ = ["Contradiction", "contradiction_sentence", "contradictions_of"]
+__all__ = ["Contradiction", "check_sound", "contradiction_sentence", "contradictions_of"]
 
 CLOSE = 1.0
 """Crossings nearer than this many widths lie on each other; their order does not show on the object."""
@@ -60,6 +61,40 @@ def contradictions_of(surface: PatternSurface) -> tuple[Contradiction, ...]:
     healing = [each for each in single if not surface_of(_corrected(surface.pattern, each)).tangled]
     found = healing or _wrong_places(surface) or single
     return tuple(sorted(found, key=lambda each: (not each.plain, each.kind, each.crossings)))
+
+
+def check_sound(surface: PatternSurface, *, anyway: bool = False) -> None:
+    """Refuse strips that nobody can put together, whatever their lengths are.
+
+    Parameters
+    ----------
+    surface : of the pattern
+    anyway : refuse pieces only, and no contradictions
+
+    Raises
+    ------
+    FieldError
+        If the pattern is in pieces, or a crossing contradicts those about it.
+
+    >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=8).sized(200.0)
+    >>> gw.twin.check_sound(gw.twin.surface_of(gw.fabrication.pattern_of(weave)))
+    """
+    pattern = surface.pattern
+    if len(surface.pieces) > 1:
+        first, second = surface.pieces[:2]
+        raise FieldError(
+            f"the pattern is in {len(surface.pieces)} pieces that no crossing holds together "
+            f"(one with {pattern.strips[first[0]].label}, one with {pattern.strips[second[0]].label}); "
+            "put each of them together by itself"
+        )
+    plain = [] if anyway else [each for each in contradictions_of(surface) if each.plain]
+    if plain:
+        more = f", and {len(plain) - 1} more such places" if len(plain) > 1 else ""
+        raise FieldError(
+            f"the pattern contradicts itself: {contradiction_sentence(pattern, plain[0])}{more}; "
+            "correct the place, or export the weave as it was designed (--no-relax), before its ribbons slid "
+            "past each other; --anyway puts it together all the same"
+        )
 
 
 def contradiction_sentence(pattern: Pattern, found: Contradiction) -> str:

@@ -10,7 +10,7 @@ compared with the weave that the pattern was exported from.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -35,8 +35,13 @@ from geoweave.rods import (
     vertex_weights,
 )
 from geoweave.surface import closest_points, segment_tree
-from geoweave.twin.contradictions import Contradiction, contradiction_sentence, contradictions_of
-from geoweave.twin.laid_strips import LaidStrips, laid
+from geoweave.twin.contradictions import (
+    Contradiction,
+    check_sound,
+    contradiction_sentence,
+    contradictions_of,
+)
+from geoweave.twin.laid_strips import Cut, LaidStrips, laid
 from geoweave.twin.pattern_surface import PatternSurface, surface_of
 from geoweave.twin.placement import has_outside, net_of, outward, placed
 from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION
@@ -100,7 +105,7 @@ class Twin:
     placed : (C, 3) where crossings were put before physics, mm
     start : strips laid there
     rest : where the rods came to rest, at bounding radius 1
-    tried : energy that each start reached; the least was relaxed further
+    tried : energy that each start reached; the least with the printed side out was relaxed further
     seconds : wall-clock seconds of each stage
     """
 
@@ -267,9 +272,7 @@ class Twin:
 
     def _at_crossings(self, points: Vectors) -> Vectors:
         """(C, 3) places between the two strips of each crossing, for vertices anywhere."""
-        ends, share = self.rods.layout.ends[self.start.cut.segments], self.start.cut.places[..., None]
-        both = points[ends[..., 0]] * (1.0 - share) + points[ends[..., 1]] * share
-        return np.asarray(both.mean(axis=1))
+        return _at_crossings(self.rods, self.start.cut, points)
 
     def _read(self, document: Mapping[str, Any], name: str) -> tuple[list[Vectors], Vectors]:
         """Centrelines of a weave, closed ones with the first point again, and (C, 3) its crossings or nan."""
@@ -332,21 +335,7 @@ def assembled(
     """
     clock = time.perf_counter()
     surface = surface_of(pattern)
-    if len(surface.pieces) > 1:
-        first, second = surface.pieces[:2]
-        raise FieldError(
-            f"the pattern is in {len(surface.pieces)} pieces that no crossing holds together "
-            f"(one with {pattern.strips[first[0]].label}, one with {pattern.strips[second[0]].label}); "
-            "put each of them together by itself"
-        )
-    plain = [each for each in contradictions_of(surface) if each.plain]
-    if not anyway and plain:
-        more = f", and {len(plain) - 1} more such places" if len(plain) > 1 else ""
-        raise FieldError(
-            f"the pattern contradicts itself: {contradiction_sentence(pattern, plain[0])}{more}; "
-            "correct the place, or export the weave as it was designed (--no-relax), before its ribbons slid "
-            "past each other; --anyway puts it together all the same"
-        )
+    check_sound(surface, anyway=anyway)
     points = placed(surface, net_of(surface), mirrored=mirrored)
     # Energies of different starts compare at one unit.
     unit = laid(surface, points[-1]).unit
@@ -354,10 +343,31 @@ def assembled(
     between = time.perf_counter()
     tries = [relax_rods(start.rods, springs=springs, stepping=TRYING, callback=callback) for start in starts]
     energies = tuple(each.steps[-1].energy for each in tries)
-    best = int(np.argmin(energies))
+    best = _least(surface, starts, tries)
     rest = relax_rods(tries[best].rods, springs=springs, stepping=stepping or STEPPING, callback=callback)
     seconds = {"start": between - clock, "relax": time.perf_counter() - between}
     return Twin(surface, frozen(points[best]), starts[best], rest, energies, seconds)
+
+
+def _least(surface: PatternSurface, starts: Sequence[LaidStrips], tries: Sequence[Equilibrium]) -> int:
+    """Number of the try that reached the least energy.
+
+    A bowl may snap through while it is relaxed, and rests inside out with the same energy. Of a shape with an
+    outside those tries count that have the printed side out, if any has.
+    """
+    sides = [
+        outward(surface, _at_crossings(each.rods, start.cut, each.rods.points))
+        for start, each in zip(starts, tries, strict=True)
+    ]
+    inside_out = [has_outside(surface, side) and side < 0 for side in sides]
+    return min(range(len(tries)), key=lambda k: (inside_out[k], tries[k].steps[-1].energy))
+
+
+def _at_crossings(rods: Rods, cut: Cut, points: Vectors) -> Vectors:
+    """(C, 3) places between the two strips of each crossing, for vertices anywhere."""
+    ends, share = rods.layout.ends[cut.segments], cut.places[..., None]
+    both = points[ends[..., 0]] * (1.0 - share) + points[ends[..., 1]] * share
+    return np.asarray(both.mean(axis=1))
 
 
 def _matched(pattern: Pattern, pairs: Indices, at: Scalars, places: Vectors) -> Vectors:

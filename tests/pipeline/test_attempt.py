@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
+import numpy as np
 import pytest
 
 from geoweave.errors import FieldError
@@ -17,6 +18,7 @@ from geoweave.pipeline.attempt import Attempt, attempted, with_remedy
 from geoweave.pipeline.request import WeaveRequest
 from geoweave.pipeline.source import MeshSource
 from geoweave.pipeline.verdict import BUT, DO_NOT, MAKE, Verdict
+from geoweave.twin.pattern_surface import surface_of
 
 REQUEST = WeaveRequest(ribbons=6, size=200.0)
 
@@ -68,7 +70,10 @@ def test_remedies_are_tried_in_their_order(helps: str, monkeypatch: pytest.Monke
     bad = Verdict(DO_NOT, ("it falls apart",), "")
     tried: list[str] = []
 
-    def fake(prepared: Prepared, seed: int, request: WeaveRequest, cut: bool, *rest: Any) -> Attempt:
+    def fake(
+        prepared: Prepared, seed: int, request: WeaveRequest, cut: bool, *rest: Any, trial: bool
+    ) -> Attempt:
+        assert trial
         ribbons = len(first().weave.ribbons)
         option = (
             "--no-relax"
@@ -85,6 +90,7 @@ def test_remedies_are_tried_in_their_order(helps: str, monkeypatch: pytest.Monke
         return replace(failed, verdict=Verdict(BUT, ("hard",), "") if option == helps else bad)
 
     monkeypatch.setattr(module, "attempted", fake)
+    monkeypatch.setattr(module, "_flat_reasons", lambda *_: ("it has a hole too many",))
     found = with_remedy(bad, failed, surface(), MeshSource("cone"), REQUEST, lambda text: None)
     order = ["--no-relax", "--width", "--ribbons", "--faces"]
     assert tried == (order[: order.index(helps) + 1] if helps else order)
@@ -94,3 +100,41 @@ def test_remedies_are_tried_in_their_order(helps: str, monkeypatch: pytest.Monke
         assert "then the verdict is 'make it, but'" in found.remedy
     else:
         assert found.remedy.startswith("Tried in vain: strips of the design")
+
+
+def test_a_finer_mesh_is_no_remedy_for_a_design_that_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    bad = Verdict(DO_NOT, ("put together, the object has another shape",), "")
+    tried: list[str] = []
+
+    def vain(prepared: Prepared, *rest: Any, trial: bool) -> Attempt:
+        assert prepared is surface()
+        return replace(first(), verdict=bad)
+
+    monkeypatch.setattr(module, "attempted", vain)
+    found = with_remedy(bad, first(), surface(), MeshSource("cone"), REQUEST, tried.append)
+    assert tried[0] == "trying strips of the design, not as at rest"
+    assert "trying a finer mesh" not in tried
+    assert "finer" not in found.remedy
+
+
+def test_a_trial_that_fails_on_paper_is_not_relaxed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_flat_reasons", lambda *_: ("it has a hole too many",))
+    monkeypatch.setattr(module, "_relaxed", None)
+    made = attempted(surface(), 0, REQUEST, True, {}, lambda text: None, first().weave, trial=True)
+    assert made.verdict == Verdict(DO_NOT, ("it has a hole too many",), "")
+    assert (made.relaxed, made.cut) == (None, None)
+
+
+def test_strips_are_judged_before_they_are_put_together() -> None:
+    made = first()
+    assert made.cut is not None
+    weave, strips, seen = made.weave, made.cut.pattern, made.inspection
+    assert module._flat_reasons(weave, strips, seen) == ()
+    split = replace(strips, strips=(strips.strips[0]._replace(openings=(0, 1)), *strips.strips[1:]))
+    assert "1 openings, not 2" in module._flat_reasons(weave, split, seen)[0]
+    inner = int(np.argmax((surface_of(strips).partner.reshape(-1, 4) >= 0).all(axis=1)))
+    wrong = strips.angle.copy()
+    wrong[inner] *= -1
+    (sentence,) = module._flat_reasons(weave, replace(strips, angle=wrong), seen)
+    assert sentence.startswith("the pattern contradicts itself")
+    assert "--no-relax" not in sentence

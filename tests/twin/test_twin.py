@@ -18,7 +18,7 @@ from geoweave.models import shapes
 from geoweave.rods.weave_at_rest import relaxed_weave
 from geoweave.rods.weave_file import read_weave, rods_of_document
 from geoweave.twin.pattern_surface import surface_of
-from geoweave.twin.twin import COMES_BACK, assembled
+from geoweave.twin.twin import COMES_BACK, _least, assembled
 from geoweave.weave.design import weave_pattern
 
 
@@ -36,6 +36,17 @@ def test_the_object_comes_back(name: str, state: str) -> None:
     assert like.hausdorff < 0.09
     # The rods are nearly as long as they were cut.
     assert np.abs(found.rods.lengths / found.rods.rest - 1).max() < 0.01
+
+
+@pytest.mark.parametrize("name", ["cone", "saddle"])
+def test_of_two_tries_one_with_the_printed_side_out_is_taken(name: str) -> None:
+    made = twin(name)
+    image = made.rods.points * [1.0, 1.0, -1.0]
+    inside_out = replace(made.rest, rods=replace(made.rods, points=image))
+    tries, starts = (made.rest, inside_out), (made.start, made.start)
+    assert _least(made.surface, starts, tries) == 0
+    # A saddle has no outside, so that the energy alone decides, and then the order.
+    assert _least(made.surface, starts, tries[::-1]) == (1 if name == "cone" else 0)
 
 
 @pytest.mark.parametrize("name", ["cone", "sphere"])
