@@ -12,7 +12,6 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from geoweave.arrays import Indices
 from geoweave.twin.pattern_surface import PatternSurface
 
 __all__ = ["HangingPart", "hanging_parts"]
@@ -46,9 +45,9 @@ def hanging_parts(surface: PatternSurface) -> tuple[HangingPart, ...]:
         kept = np.delete(np.arange(count), x)
         label = csgraph.connected_components(links[kept][:, kept], directed=False)[1]
         sizes = np.bincount(label)
-        for part in np.delete(np.arange(len(sizes)), sizes.argmax()).tolist():
-            if sizes[part] > 1:
-                found.append(HangingPart(x, frozenset(kept[label == part].tolist())))
+        for piece in np.delete(np.arange(len(sizes)), sizes.argmax()).tolist():
+            if sizes[piece] > 1:
+                found.append(HangingPart(x, frozenset(kept[label == piece].tolist())))
     found.sort(key=lambda part: (-len(part.crossings), part.at))
     outer: list[HangingPart] = []
     for part in found:
@@ -63,13 +62,16 @@ def _joints(links: sparse.csr_array) -> list[int]:
     A search into depth gives every crossing a rank. One is a joint if what is searched beyond it does not
     come back to a lower rank.
     """
-    after = np.split(links.indices, links.indptr[1:-1])
+    after = [
+        [there for there in row.tolist() if there != here]
+        for here, row in enumerate(np.split(links.indices, links.indptr[1:-1]))
+    ]
     rank = np.full(links.shape[0], -1, dtype=np.int64)
     lowest, joints, ranked = rank.copy(), set[int](), 0
     for root in range(links.shape[0]):
         if rank[root] >= 0:
             continue
-        branches, path = 0, [(root, -1, iter(_others(after[root], root)))]
+        branches, path = 0, [(root, -1, iter(after[root]))]
         rank[root] = lowest[root] = ranked
         ranked += 1
         while path:
@@ -86,13 +88,9 @@ def _joints(links: sparse.csr_array) -> list[int]:
             elif rank[there] < 0:
                 rank[there] = lowest[there] = ranked
                 ranked += 1
-                path.append((there, here, iter(_others(after[there], there))))
+                path.append((there, here, iter(after[there])))
             elif there != parent:
                 lowest[here] = min(lowest[here], rank[there])
         if branches > 1:
             joints.add(root)
     return sorted(joints)
-
-
-def _others(among: Indices, this: int) -> list[int]:
-    return [each for each in among.tolist() if each != this]
