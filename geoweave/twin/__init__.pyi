@@ -4,7 +4,7 @@ from .contradictions import (
     contradiction_sentence as contradiction_sentence,
     contradictions_of as contradictions_of,
 )
-from .hanging_parts import HangingPart as HangingPart, hanging_parts as hanging_parts
+from .joints import HangingPart as HangingPart, hanging_parts as hanging_parts
 from .pattern_surface import (
     PatternSurface as PatternSurface,
     openings_of as openings_of,

@@ -10,7 +10,7 @@ from scipy.sparse import csgraph
 
 from geoweave.fabrication.flattening import pattern_of
 from geoweave.fabrication.pattern import Pattern
-from geoweave.twin.hanging_parts import _joints, hanging_parts
+from geoweave.twin.joints import _joints, hanging_parts
 from geoweave.twin.pattern_surface import surface_of
 
 ACROSS = [(y, -5, 55 if y == 0 else 25) for y in (0, 10, 20)] + [(y, 45, 65) for y in (10, 20)]
