@@ -29,6 +29,11 @@ from .pattern import Pattern as Pattern
 from .pdf import FOOT as FOOT, MARGIN as MARGIN, write_pdf as write_pdf
 from .pieces import Making as Making, pieces_of as pieces_of
 from .presets import LABELS as LABELS, PRESETS as PRESETS, Preset as Preset, preset_of as preset_of
+from .sheet_materials import (
+    MATERIALS as MATERIALS,
+    SheetMaterial as SheetMaterial,
+    material_of as material_of,
+)
 from .sheet_sizes import PAPERS as PAPERS, Paper as Paper, stock_of as stock_of
 from .strip_drawing import drawn as drawn
 from .strip_layout import StripLayout as StripLayout, layout as layout

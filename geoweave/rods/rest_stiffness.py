@@ -150,19 +150,25 @@ class RestStiffness:
         motions = (vectors / root[:, None]).T[order].reshape(count, -1, 3) * np.sqrt(self.weights.sum())
         return SoftMotions(1.0 / values[order], motions)
 
-    def at_contacts(self, directions: Vectors) -> Scalars:
-        """(C,) displacement of each contact per unit force on it, both along a direction (C, 3).
+    def at_contacts(self, directions: Vectors, which: Indices | None = None) -> Scalars:
+        """(n,) displacement of contacts per unit force on them, both along a direction.
 
         The force is shared by the two ribbons.
+
+        Parameters
+        ----------
+        directions : (C, 3) unit vectors, one for each contact
+        which : (n,) contacts; all if not given
         """
         layout, contacts = self.rods.layout, self.rods.contacts
         ends = layout.ends[contacts.segments].reshape(len(contacts), 4)
         share = 0.5 * np.stack([1.0 - contacts.places, contacts.places], axis=2).reshape(-1, 4)
-        found = np.empty(len(contacts))
-        for c, direction in enumerate(directions):
-            load = np.zeros((layout.vertices, 3))
+        wanted = np.arange(len(contacts)) if which is None else which
+        found = np.empty(len(wanted))
+        for k, c in enumerate(wanted.tolist()):
+            direction, load = directions[c], np.zeros((layout.vertices, 3))
             np.add.at(load, ends[c], share[c][:, None] * direction)
-            found[c] = share[c] @ (self.moved(load)[ends[c]] @ direction)
+            found[k] = share[c] @ (self.moved(load)[ends[c]] @ direction)
         return found
 
 

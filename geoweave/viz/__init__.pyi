@@ -8,6 +8,7 @@ from .charts import (
     drop_chart as drop_chart,
     front_chart as front_chart,
 )
+from .fastened_scene import held_crossings as held_crossings
 from .film import Film as Film, relaxing as relaxing
 from .layout import gallery as gallery
 from .pages import Page as Page, strips_page as strips_page
