@@ -81,10 +81,10 @@ OPTIONS = (
     ),
     click.option(
         "--strips",
-        type=click.Choice(("straight", "designed", "optimal")),
+        type=click.Choice(("straight", "designed", "optimal", "holding")),
         default="straight",
         help="How strips are cut: straight, as curved as the design, or such that the weave at rest lies "
-        "on its surface (straight).",
+        "on its surface; holding: and that friction holds more crossings (straight).",
     ),
     click.option(
         "--no-relax",

@@ -8,6 +8,7 @@ from .field_arrays import (
     field_file as field_file,
     foliate_file as foliate_file,
 )
+from .object_rigidity import Rigidity as Rigidity, rigidity as rigidity
 from .pattern_twin import TwinOfFile as TwinOfFile, twin_file as twin_file
 from .relaxed_file import RestOfFile as RestOfFile, relax_file as relax_file
 from .request import WeaveRequest as WeaveRequest, formats_of as formats_of

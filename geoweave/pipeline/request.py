@@ -59,7 +59,7 @@ class WeaveRequest:
     relax: bool = True
     """Whether the weave is relaxed to the shape that it takes (Appendix E)."""
     strips: StripKind = "straight"
-    """How strips are cut: "straight" as in the paper, "designed" or "optimal" (`geoweave.rods.curved`)."""
+    """How strips are cut: "straight" as in the paper, or one of the other `geoweave.rods.STRIPS`."""
     singularities: tuple[Singularity, ...] | None = None
     """All singularities, as `geoweave.weave.read_singularities` reads them; None leaves them free."""
     align: tuple[tuple[float, float, float], ...] | None = None

@@ -20,7 +20,6 @@ from .from_ribbons import (
     rods_of_ribbons as rods_of_ribbons,
 )
 from .natural_curvature import natural_of_strips as natural_of_strips
-from .object_rigidity import Rigidity as Rigidity, rigidity as rigidity
 from .rest_stiffness import (
     RestStiffness as RestStiffness,
     SoftMotions as SoftMotions,

@@ -17,11 +17,14 @@ from geoweave.rods.strip_fitting import CurvedStep, Fitting, optimal_strips
 
 __all__ = ["STRIPS", "StripKind", "curved"]
 
-StripKind: TypeAlias = Literal["straight", "designed", "optimal"]
+StripKind: TypeAlias = Literal["straight", "designed", "optimal", "holding"]
 """How strips are cut."""
 
 STRIPS: tuple[StripKind, ...] = get_args(StripKind)
 """All ways to cut strips."""
+
+HOLD = 1e-5
+"""`Fitting.hold` of strips that are to hold by friction."""
 
 
 def curved(
@@ -36,13 +39,15 @@ def curved(
 
     Straight strips follow geodesics only, and a weave of them leaves its surface where its ribbons bend
     within it. Designed strips have the geodesic curvature that the ribbons have on the surface. Optimal ones
-    are those, changed until the weave at rest lies on the surface (`optimal_strips`).
+    are those, changed until the weave at rest lies on the surface (`optimal_strips`). Holding ones are
+    changed so that, besides, ribbons press on each other where they cross, and slide along each other little:
+    then friction holds more crossings (DEVIATIONS, fastened).
 
     Parameters
     ----------
     weave : after `slide`
-    strips : "straight", "designed" or "optimal"
-    springs, numbers : as of `optimal_strips`
+    strips : "straight", "designed", "optimal" or "holding"
+    springs, numbers : as of `optimal_strips`; holding strips have a weight `Fitting.hold` if it is zero there
     callback : called with every trial of `optimal_strips`
 
     Returns
@@ -71,6 +76,8 @@ def curved(
     start = _as_designed(start, numbers.sharpest)
     if strips == "designed":
         return replace(weave, cut=start, curving=None, curving_seconds=0.0)
+    if strips == "holding" and not numbers.hold:
+        numbers = replace(numbers, hold=HOLD)
     found = optimal_strips(
         start, weave.weave.mesh, springs=springs, numbers=numbers, fixed=weave.fixed, callback=callback
     )

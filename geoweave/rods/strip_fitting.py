@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -104,6 +104,7 @@ class CurvedStrips:
     steps : every trial
     converged : whether no step promises more, and the shape of the last one is that of `rest`
     ending : why the iteration ended, in words
+    kind : "holding" if friction was part of the target, else "optimal"
     """
 
     cut: Rods
@@ -111,6 +112,7 @@ class CurvedStrips:
     steps: tuple[CurvedStep, ...]
     converged: bool
     ending: str
+    kind: Literal["optimal", "holding"] = "optimal"
 
 
 TRUST = 0.02
@@ -317,7 +319,8 @@ def optimal_strips(
     z, rest, same = _reached(problem, path)
     if ending == CONVERGED and not same:
         ending = "the nearest shape is not the one that is reached from the surface"
-    return CurvedStrips(problem.knots.cut(z), rest, tuple(steps), ending == CONVERGED, ending)
+    kind: Literal["optimal", "holding"] = "optimal" if problem.holding is None else "holding"
+    return CurvedStrips(problem.knots.cut(z), rest, tuple(steps), ending == CONVERGED, ending, kind)
 
 
 def _descent(

@@ -162,7 +162,11 @@ def _curved_metrics(found: Relaxed) -> dict[str, Any]:
     said: dict[str, Any] = {"kind": "designed", "sharpest": float(bent.max())}
     if found.curving is not None:
         history = [vars(step) for step in found.curving.steps]
-        said |= {"kind": "optimal", "converged": found.curving.converged, "ending": found.curving.ending}
+        said |= {
+            "kind": found.curving.kind,
+            "converged": found.curving.converged,
+            "ending": found.curving.ending,
+        }
         said |= {"history": history}
     return {"curved_strips": said}
 
@@ -246,7 +250,7 @@ def relaxed_weave(
     stepping : numbers of each minimisation
     fixed_boundary : hold the ends of ribbons that lie on the boundary
     gravity : (3,) acceleration; it needs a fixed boundary to stand on
-    strips : how they are cut: "straight" as in the paper, "designed" or "optimal" (`curved`)
+    strips : how they are cut: "straight" as in the paper, "designed", "optimal" or "holding" (`curved`)
     callback : called with "slide", "curve" or "relax" and each step
 
     Raises

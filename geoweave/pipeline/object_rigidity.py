@@ -16,11 +16,7 @@ from numpy.typing import ArrayLike
 from geoweave.arrays import Vectors
 from geoweave.errors import RodError
 from geoweave.fabrication import SheetMaterial, material_of
-from geoweave.rods.crossing_forces import contact_forces
-from geoweave.rods.rest_stiffness import RestStiffness, standing
-from geoweave.rods.rods import Rods
-from geoweave.rods.slide_and_relax import Springs, relax_rods
-from geoweave.rods.weave_at_rest import Relaxed
+from geoweave.rods import Relaxed, RestStiffness, Rods, Springs, contact_forces, relax_rods, standing
 
 __all__ = ["Rigidity", "rigidity"]
 
@@ -105,7 +101,7 @@ def rigidity(
         rest.
 
     >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8).sized(size=100.0))
-    >>> thick, thin = (gw.rods.rigidity(rest, each) for each in ("birch veneer", "vellum"))
+    >>> thick, thin = (gw.pipeline.rigidity(rest, each) for each in ("birch veneer", "vellum"))
     >>> thick.own_weight < thin.own_weight
     True
     """

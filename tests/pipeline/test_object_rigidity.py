@@ -11,7 +11,7 @@ import pytest
 from geoweave.errors import RodError
 from geoweave.fabrication import material_of
 from geoweave.models import shapes
-from geoweave.rods.object_rigidity import Rigidity, rigidity
+from geoweave.pipeline.object_rigidity import Rigidity, rigidity
 from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.weave import Weave
