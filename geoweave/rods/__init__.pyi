@@ -13,6 +13,7 @@ from .departure import (
 )
 from .elastic_energies import energy_density as energy_density
 from .equilibrium import Equilibrium as Equilibrium, Step as Step
+from .firmest_sides import firmest as firmest
 from .from_ribbons import (
     FINENESS as FINENESS,
     file_of_rods as file_of_rods,
