@@ -1,4 +1,4 @@
-"""Over and under chosen so that friction holds more crossings, where ribbons alternate as well (Section 6)."""
+"""Over and under chosen so that friction holds more crossings where ribbons alternate as well (Section 6)."""
 
 from __future__ import annotations
 
