@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from functools import wraps
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 from click.core import ParameterSource
@@ -26,6 +26,7 @@ from geoweave.cli.options import (
 if TYPE_CHECKING:
     from geoweave.pipeline import MeshSource, WeaveRequest, WovenFiles
     from geoweave.rods import StripKind
+    from geoweave.surface import MirrorAxis
     from geoweave.weave import Inspection, Phase, Regularity
 
 OPTIONS = (
@@ -64,6 +65,13 @@ OPTIONS = (
         type=click.FloatRange(min=0),
         default=0.0,
         help="Spacings within which two branch points of opposite index are merged; 0 for none (0).",
+    ),
+    click.option(
+        "--symmetric",
+        type=click.Choice(("auto", "x", "y", "z", "off")),
+        default="off",
+        help="Make the field its own mirror image: in the plane of symmetry of the surface, or in one across "
+        "x, y or z (off).",
     ),
     click.option(
         "--size", type=Positive(), help="Longest side of the bounding box in mm; results are then in mm."
@@ -108,6 +116,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
         singularities: str | None,
         align: str | None,
         merge: float,
+        symmetric: MirrorAxis | Literal["off"],
         size: float | None,
         width: float | None,
         thickness: float | None,
@@ -140,6 +149,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             singularities=None if singularities is None else read_singularities(singularities),
             align=None if align is None else read_guide(align),
             merge=merge,
+            symmetric=symmetric,
             size=size,
             width=width,
             thickness=thickness,
@@ -205,6 +215,7 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
         ("branch points", text_of(result["branch_points"])),
         *_prescribed(result.get("prescribed_singularities"), result["symmetry"]),
         *_aligned(result.get("aligned_deg")),
+        *_mirrored(result.get("mirror")),
         *_sizes(result, report, unit),
         ("crossings", text_of(result["crossings"])),
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
@@ -264,6 +275,15 @@ def _prescribed(found: dict[str, Any] | None, symmetry: int) -> list[tuple[str, 
     return [
         ("  prescribed", f"the finished field differs at {len(places)} points, first at ({where}): {other}")
     ]
+
+
+def _mirrored(found: dict[str, Any] | None) -> list[tuple[str, str]]:
+    """How nearly the finished field is its own mirror image, and the surface."""
+    if found is None:
+        return []
+    normal = ", ".join(f"{x:.2f}" for x in found["normal"])
+    said = f"the field is {found['field_deg']:.1f} degrees from its image in the mean"
+    return [("  mirror", f"across ({normal}): {said}, the surface {found['surface']:.2%} of its size")]
 
 
 def _aligned(angle: float | None) -> list[tuple[str, str]]:

@@ -33,6 +33,7 @@ from .index_pairs import (
     moved as moved,
 )
 from .least_bending import bending_directions as bending_directions, bending_power as bending_power
+from .mirror_images import MirrorImages as MirrorImages, symmetrized as symmetrized
 from .operators import (
     ClosedFields as ClosedFields,
     as_complex as as_complex,

@@ -204,7 +204,7 @@ def _designed(
     """Design a weave on a surface."""
     from geoweave.weave import Steering, edited, weave_pattern
 
-    steering = Steering(request.singularities, request.merge, request.align)
+    steering = Steering(request.singularities, request.merge, request.align, symmetric=request.symmetric)
     for each in request.edits:
         if each.steers:
             steering = each.steering(steering, _unit(each, prepared, request))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from geoweave.files import Job
     from geoweave.meshing import Prepared
     from geoweave.rods import Relaxed
+    from geoweave.surface import MirrorAxis
     from geoweave.weave import Inspection, Weave
 
 __all__ = ["WovenFiles", "weave_file"]
@@ -224,7 +225,22 @@ def _even_surface(source: MeshSource, request: WeaveRequest, seconds: dict[str, 
     if source.faces is None:
         with timed(seconds, "remesh"):
             prepared = evened(prepared, ribbons=request.ribbons, name=source.name)
-    return prepared
+    return prepared if request.symmetric == "off" else _symmetric(prepared, request.symmetric)
+
+
+def _symmetric(prepared: Prepared, axis: MirrorAxis) -> Prepared:
+    """Put the image of one half of a surface in place of the other, and say so in its report."""
+    from geoweave.meshing import mirrored_half
+    from geoweave.surface import mirror_plane
+
+    plane = mirror_plane(prepared.mesh, axis)
+    normal = ", ".join(f"{x:.2f}" for x in plane.normal)
+    note = (
+        f"one half is the image of the other across ({normal}); the surface was {plane.residual:.2%} of its "
+        "size from its image"
+    )
+    report = replace(prepared.report, notes=(*prepared.report.notes, note))
+    return replace(prepared, mesh=mirrored_half(prepared.mesh, plane), report=report)
 
 
 def _pattern_jobs(

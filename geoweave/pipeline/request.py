@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from geoweave.errors import FieldError
 from geoweave.pipeline.weave_folder import check_formats
 
 if TYPE_CHECKING:
     from geoweave.rods import StripKind
+    from geoweave.surface import MirrorAxis
     from geoweave.weave import Edits, Phase, Singularity
 
 __all__ = ["BOUNDS", "WeaveRequest", "formats_of"]
@@ -68,6 +69,9 @@ class WeaveRequest:
     """Pairs of singularities of opposite index no farther apart than so many spacings are merged."""
     edits: tuple[Edits, ...] = ()
     """What a person changed, one after the other (`geoweave.weave.read_edits`)."""
+    symmetric: MirrorAxis | Literal["off"] = "off"
+    """"auto" makes the field its own image in the mirror plane of the surface, "x", "y" or "z" in one across
+    that axis."""
 
     def __post_init__(self) -> None:
         """Refuse what contradicts itself."""
@@ -93,6 +97,10 @@ class WeaveRequest:
             raise FieldError(
                 f"merge is {self.merge:g}; give a number of spacings from 0 to {BOUNDS['scale']:g}"
             )
+        if self.symmetric != "off":
+            from geoweave.weave import Steering
+
+            Steering(self.singularities, symmetric=self.symmetric)
         if self.phase is not None:
             from geoweave.weave import phase_of
 

@@ -28,6 +28,9 @@ FORMAT, VERSION = "geoweave-report", 1
 SHARES = (0.95, 0.75, 0.5, 0.25)
 """Shares of the neighbouring crossings for which the report says up to which width they fit."""
 
+STEERED = ("prescribed_singularities", "aligned_deg", "mirror")
+"""What the metrics say of what was asked of the field."""
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -117,7 +120,7 @@ class Inspection:
             "crossing_angle_deg": metrics["crossing_angle_deg"],
             "alternation": metrics["alternation"],
             "regularity": self.regularity.document(),
-            **{key: metrics[key] for key in ("prescribed_singularities", "aligned_deg") if key in metrics},
+            **{key: metrics[key] for key in STEERED if key in metrics},
             "limits": {
                 "angle_deg": self.limits.angle,
                 "gap": self.limits.gap * spacing,

@@ -15,7 +15,7 @@ from geoweave.fields import FaceField, rotation_across, vertex_indices, windings
 from geoweave.surface import connected_components
 from geoweave.weave.cover import Cover
 
-__all__ = ["Displaced", "Met", "displaced", "lifted_vectors"]
+__all__ = ["Displaced", "Met", "Mirrored", "displaced", "lifted_vectors"]
 
 
 class Displaced(NamedTuple):
@@ -29,6 +29,17 @@ class Displaced(NamedTuple):
     """N times the index in the finished field: the sum of what its N vectors turn."""
 
 
+class Mirrored(NamedTuple):
+    """The plane in which a field was made its own mirror image, and how nearly it is."""
+
+    normal: tuple[float, float, float]
+    """Of the plane, in the coordinates of the mesh file."""
+    surface: float
+    """Root mean square distance between the surface and its image, in bounding radii."""
+    field: float
+    """Mean angle between the finished field and its image, degrees."""
+
+
 class Met(NamedTuple):
     """How far the finished field is what was asked of it."""
 
@@ -36,6 +47,8 @@ class Met(NamedTuple):
     """Where it differs from prescribed singularities; None where none were prescribed."""
     aligned: float | None = None
     """Mean angle from the direction or curve to the nearest family, degrees; None without one."""
+    mirrored: Mirrored | None = None
+    """How nearly it is its own mirror image; None where that was not asked for."""
 
 
 def lifted_vectors(cover: Cover, field: FaceField) -> tuple[Indices, Complexes]:

@@ -1,4 +1,4 @@
-"""What a user may say of the RoSy that a weave starts from: singularities, a direction, pairs to merge.
+"""What a user may say of the RoSy that a weave starts from: singularities, a direction, merging, symmetry.
 
 Section 5.1 takes the singularities of the smoothest RoSy as they come. Here they may be prescribed, and pairs
 that a weave could not tell apart are merged (DEVIATIONS.md, merged-pairs).
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from geoweave.errors import FieldError
 from geoweave.fields import (
     FaceField,
     Guide,
+    MirrorImages,
     RoSyField,
     aligned_connection,
     aligned_rosy,
@@ -25,12 +26,23 @@ from geoweave.fields import (
     merged_pairs,
     prescribed_rosy,
     smoothest_rosy,
+    symmetrized,
 )
-from geoweave.surface import Similarity, TriMesh, closest_points, triangle_tree
+from geoweave.surface import (
+    MIRROR_AXES,
+    MirrorAxis,
+    MirrorPlane,
+    Similarity,
+    TriMesh,
+    closest_points,
+    mirror_plane,
+    triangle_tree,
+)
 from geoweave.weave.cover import Cover
-from geoweave.weave.kept_singularities import Met, displaced, lifted_vectors
+from geoweave.weave.kept_singularities import Met, Mirrored, displaced, lifted_vectors
 
 __all__ = [
+    "SYMMETRIES",
     "Singularity",
     "Steering",
     "expected_spacing",
@@ -53,6 +65,10 @@ FARTHEST = 0.1
 Point: TypeAlias = tuple[float, float, float]
 
 
+SYMMETRIES = ("off", *MIRROR_AXES)
+"""What may be asked of the mirror symmetry."""
+
+
 class Singularity(NamedTuple):
     """A singularity that is prescribed."""
 
@@ -73,6 +89,8 @@ class Steering:
     merge : pairs of opposite index no farther apart than so many spacings are merged; 0 for none. What is
         prescribed is never merged
     spacing : between ribbons of the weave, in bounding radii; None for what is expected at scale 1
+    symmetric : "auto" makes the RoSy its own image in the mirror plane of the surface, "x", "y" or "z" in
+        one across that axis; "off" leaves it as it is
 
     Raises
     ------
@@ -91,10 +109,18 @@ class Steering:
     merge: float = 0.0
     align: tuple[Point, ...] | None = None
     spacing: float | None = None
+    symmetric: MirrorAxis | Literal["off"] = "off"
 
     def __post_init__(self) -> None:
         if not 0 <= self.merge < math.inf:
             raise FieldError(f"pairs are merged within 0 spacings or more, not {self.merge:g}")
+        if self.symmetric not in SYMMETRIES:
+            raise FieldError(f"there is no mirror symmetry '{self.symmetric}': {', '.join(SYMMETRIES)}")
+        if self.symmetric != "off" and self.singularities is not None:
+            raise FieldError(
+                "prescribed singularities stay where they are, so the field cannot be made symmetric too; "
+                "prescribe them in mirror pairs, or leave out the symmetry"
+            )
         if self.align is not None and not np.any(
             self.align if len(self.align) == 1 else np.diff(self.align, axis=0)
         ):
@@ -209,6 +235,9 @@ def steered_rosy(
         numerators = snapped(mesh, placement, steering.singularities)
         found = prescribed_rosy(mesh, symmetry, numerators, like=rosy)
         return found if guide is None else aligned_connection(found, guide)
+    plane = _plane_of(mesh, steering)
+    if plane is not None:
+        rosy = symmetrized(rosy, MirrorImages.of(mesh, plane))
     if not steering.merge:
         return rosy
     spacing = expected_spacing(mesh, 1, None, None) if steering.spacing is None else steering.spacing
@@ -217,12 +246,20 @@ def steered_rosy(
 
 def steering_met(cover: Cover, field: FaceField, placement: Similarity, steering: Steering) -> Met:
     """How far a finished field on the quotient of a cover is what was asked of it."""
-    moved = None if steering.singularities is None else displaced(cover, field)
-    guide = guide_of(cover.rosy.mesh, placement, cover.degree, steering)
-    if guide is None:
+    mesh, moved = cover.rosy.mesh, None if steering.singularities is None else displaced(cover, field)
+    guide, plane = guide_of(mesh, placement, cover.degree, steering), _plane_of(mesh, steering)
+    if guide is None and plane is None:
         return Met(moved)
     faces, vectors = lifted_vectors(cover, field)
-    weights = guide.weights[faces]
-    if not weights.sum() > 0:
-        return Met(moved)
-    return Met(moved, float(np.average(guide.deviation(vectors, faces), weights=weights)))
+    aligned = mirrored = None
+    if guide is not None and guide.weights[faces].sum() > 0:
+        aligned = float(np.average(guide.deviation(vectors, faces), weights=guide.weights[faces]))
+    if plane is not None:
+        x, y, z = plane.normal.tolist()
+        mirrored = Mirrored((x, y, z), plane.residual, MirrorImages.of(mesh, plane).departure(faces, vectors))
+    return Met(moved, aligned, mirrored)
+
+
+def _plane_of(mesh: TriMesh, steering: Steering) -> MirrorPlane | None:
+    """The mirror plane of a surface, where a symmetric field is asked for."""
+    return None if steering.symmetric == "off" else mirror_plane(mesh, steering.symmetric)

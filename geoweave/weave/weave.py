@@ -235,6 +235,13 @@ class Weave:
                 for each in met.displaced
             ]
             said["prescribed_singularities"] = {"kept": not places, "displaced": places}
+        if met.mirrored is not None:
+            plane = met.mirrored
+            said["mirror"] = {
+                "normal": list(plane.normal),
+                "surface": plane.surface,
+                "field_deg": plane.field,
+            }
         return said if met.aligned is None else said | {"aligned_deg": met.aligned}
 
     def _of_the_foliation(self) -> dict[str, Any]:

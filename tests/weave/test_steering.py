@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from geoweave.errors import FieldError
-from geoweave.models import shapes
+from geoweave.errors import FieldError, MeshError
+from geoweave.models import datasets, shapes
 from geoweave.weave.design import weave_field, weave_pattern
 from geoweave.weave.steering import (
     Singularity,
@@ -81,6 +81,25 @@ def test_the_spacing_that_is_expected_is_about_that_of_the_weave():
     steering = steering_for(mesh, 3, 0.5, None, Steering(merge=1.0))
     assert steering.spacing == pytest.approx(2 * expected_spacing(mesh, 3, 1.0, None))
     assert steering_for(mesh, 3, 0.5, None, None) == Steering()
+
+
+def test_a_symmetric_surface_gets_a_field_that_is_its_own_image():
+    spot = datasets.load("spot")
+    field = weave_field(spot, steering=Steering(symmetric="x"))
+    mirrored = field.met.mirrored
+    assert mirrored.normal == (1.0, 0.0, 0.0)
+    assert 0 < mirrored.surface < 2e-3
+    assert mirrored.field < 5.0  # degrees; chance gives 15, and as it comes the field is at 13.6
+    assert weave_field(spot).met.mirrored is None
+
+
+def test_symmetry_is_refused_where_there_is_none_or_it_cannot_be_had():
+    with pytest.raises(MeshError, match="no mirror plane"):
+        weave_field(datasets.load("bunny"), steering=Steering(symmetric="auto"))
+    with pytest.raises(FieldError, match="no mirror symmetry 'w': off, auto, x, y, z"):
+        Steering(symmetric="w")
+    with pytest.raises(FieldError, match="mirror pairs, or leave out the symmetry"):
+        Steering(TETRAHEDRON, symmetric="z")
 
 
 def test_numbers_out_of_range_are_refused():
