@@ -1,4 +1,4 @@
-from .mirrored_half import mirrored_half as mirrored_half
+from .mirror_halves import mirrored_half as mirrored_half
 from .place_order import ordered_by_place as ordered_by_place
 from .prepare import (
     Components as Components,

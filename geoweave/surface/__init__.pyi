@@ -7,7 +7,7 @@ from .closest_point import (
 )
 from .components import connected_components as connected_components
 from .mesh import SMALLEST_ASPECT as SMALLEST_ASPECT, Similarity as Similarity, TriMesh as TriMesh
-from .mirror_plane import (
+from .mirror_symmetry import (
     MIRROR_AXES as MIRROR_AXES,
     MirrorAxis as MirrorAxis,
     MirrorPlane as MirrorPlane,

@@ -9,7 +9,7 @@ from geoweave.errors import FieldError
 from geoweave.fields.mirror_images import MirrorImages, symmetrized
 from geoweave.fields.rosy import RoSyField, smoothest_rosy
 from geoweave.models import datasets, shapes
-from geoweave.surface.mirror_plane import mirror_plane
+from geoweave.surface.mirror_symmetry import mirror_plane
 
 
 def test_a_vector_goes_to_its_image_in_space() -> None:

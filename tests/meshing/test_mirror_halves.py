@@ -8,11 +8,11 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from geoweave.errors import MeshError
-from geoweave.meshing.mirrored_half import mirrored_half
+from geoweave.meshing.mirror_halves import mirrored_half
 from geoweave.meshing.weaving_mesh import smallest_angles
 from geoweave.models import datasets, shapes
 from geoweave.surface.mesh import TriMesh
-from geoweave.surface.mirror_plane import MirrorPlane, mirror_plane
+from geoweave.surface.mirror_symmetry import MirrorPlane, mirror_plane
 
 
 def is_its_own_image(mesh: TriMesh, plane: MirrorPlane) -> bool:

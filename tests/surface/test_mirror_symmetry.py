@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from geoweave.errors import MeshError
 from geoweave.models import datasets, shapes
 from geoweave.surface.mesh import TriMesh
-from geoweave.surface.mirror_plane import MirrorPlane, mirror_plane
+from geoweave.surface.mirror_symmetry import MirrorPlane, mirror_plane
 
 
 def turned(mesh: TriMesh, turn: Rotation) -> TriMesh:
