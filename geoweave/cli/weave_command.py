@@ -22,6 +22,7 @@ from geoweave.cli.options import (
     text_of,
     weave_surface_options,
 )
+from geoweave.cli.steering_rows import aligned, mirrored, prescribed
 
 if TYPE_CHECKING:
     from geoweave.pipeline import MeshSource, WeaveRequest, WovenFiles
@@ -213,9 +214,9 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
     rows += [("repairs", text) for text in made.prepared.report.sentences()]
     rows += [
         ("branch points", text_of(result["branch_points"])),
-        *_prescribed(result.get("prescribed_singularities"), result["symmetry"]),
-        *_aligned(result.get("aligned_deg")),
-        *_mirrored(result.get("mirror")),
+        *prescribed(result.get("prescribed_singularities"), result["symmetry"]),
+        *aligned(result.get("aligned_deg")),
+        *mirrored(result.get("mirror")),
         *_sizes(result, report, unit),
         ("crossings", text_of(result["crossings"])),
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
@@ -261,36 +262,6 @@ def _regularity(found: Regularity, symmetry: int) -> list[tuple[str, str]]:
     if found.parts > 1:
         rows.append(("parts", f"the ribbons make {found.parts} parts that do not hang together"))
     return rows
-
-
-def _prescribed(found: dict[str, Any] | None, symmetry: int) -> list[tuple[str, str]]:
-    """Whether the finished field has the prescribed singularities; if not, where it differs first."""
-    if found is None:
-        return []
-    if found["kept"]:
-        return [("  prescribed", "all kept by the finished field, and no other")]
-    places = found["displaced"]
-    first, where = places[0], ", ".join(f"{x:.4g}" for x in places[0]["point"])
-    other = f"index {first['found']}/{symmetry} in place of {first['index']}/{symmetry}"
-    return [
-        ("  prescribed", f"the finished field differs at {len(places)} points, first at ({where}): {other}")
-    ]
-
-
-def _mirrored(found: dict[str, Any] | None) -> list[tuple[str, str]]:
-    """How nearly the finished field is its own mirror image, and the surface."""
-    if found is None:
-        return []
-    normal = ", ".join(f"{x:.2f}" for x in found["normal"])
-    said = f"the field is {found['field_deg']:.1f} degrees from its image in the mean"
-    return [("  mirror", f"across ({normal}): {said}, the surface {found['surface']:.2%} of its size")]
-
-
-def _aligned(angle: float | None) -> list[tuple[str, str]]:
-    """How well the nearest family follows what it was asked to."""
-    return (
-        [] if angle is None else [("  aligned", f"{angle:.1f} degrees from the nearest family in the mean")]
-    )
 
 
 def _strips(strips: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:

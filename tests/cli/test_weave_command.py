@@ -201,27 +201,10 @@ def test_a_symmetric_surface_is_woven_as_its_own_image_and_another_is_refused(
     assert mirror["normal"][0] == pytest.approx(1.0, abs=0.01)
     assert mirror["field_deg"] < 0.1  # chance gives 15
     assert json.loads((tmp_path / "report.json").read_text())["mirror"] == mirror
-    ((_, text),) = weave_command._mirrored({"normal": [0.0, 1.0, 0.0], "surface": 0.004, "field_deg": 2.5})
-    assert text == (
-        "across (0.00, 1.00, 0.00): the field is 2.5 degrees from its image in the mean, "
-        "the surface 0.40% of its size"
-    )
     assert main.main(["weave", "bunny", "--no-relax", "-o", str(tmp_path / "b"), "--symmetric", "auto"]) == 2
     err = capfd.readouterr().err
     assert "no mirror plane" in err
     assert err.count("\n") == 1
-
-
-def test_the_table_says_where_the_finished_field_differs() -> None:
-    places = [
-        {"point": [0.0, 0.25, 1.0], "index": 5, "found": -1},
-        {"point": [0.0] * 3, "index": 0, "found": 6},
-    ]
-    ((_, text),) = weave_command._prescribed({"kept": False, "displaced": places}, 6)
-    assert text == (
-        "the finished field differs at 2 points, first at (0, 0.25, 1): index -1/6 in place of 5/6"
-    )
-    assert weave_command._prescribed(None, 6) == []
 
 
 def test_a_family_follows_what_a_file_says(tmp_path, capfd: pytest.CaptureFixture[str]) -> None:
