@@ -10,7 +10,7 @@ from geoweave.errors import FieldError
 from geoweave.fields.face_field import Handles, unit
 from geoweave.fields.operators import AllFields, ClosedFields, as_complex, as_real, dual_weights
 from geoweave.fields.refinement import Refinement
-from geoweave.sparse import Factorization, Ordering, factorized, nested_dissection
+from geoweave.sparse import Analysis, Factorization, Ordering, factorized, nested_dissection
 
 REPEATED = 1e-11
 """Constraints of handles whose eigenvalue is below this share of the largest repeat other constraints."""
@@ -32,7 +32,7 @@ class ClosedProjection:
     ----------
     fields : the closed fields of the mesh, or all its fields
     smoothness : lambda >= 0, unit length^2
-    ordering : of `ordering_of(fields)`; the same for every smoothness
+    ordering : of `ordering_of(fields)`, or an analysis in it; the same for every smoothness
     handles : faces where v is prescribed
 
     Raises
@@ -45,7 +45,7 @@ class ClosedProjection:
         self,
         fields: ClosedFields | AllFields,
         smoothness: float,
-        ordering: Ordering,
+        ordering: Ordering | Analysis,
         handles: Handles | None = None,
     ) -> None:
         if not 0 <= smoothness < np.inf:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+from scipy import sparse
 
 from geoweave.arrays import Complexes, Scalars
 from geoweave.errors import FieldError
@@ -16,10 +17,7 @@ from geoweave.fields.face_field import FaceField, Handles
 from geoweave.fields.operators import AllFields, ClosedFields
 from geoweave.fields.triples import Triples
 from geoweave.fields.zero_sum import ZeroSum
-from geoweave.sparse import (
-    Ordering,
-    one_blas_thread,
-)
+from geoweave.sparse import Ordering, analysed, one_blas_thread
 from geoweave.surface import TriMesh
 
 Acceleration: TypeAlias = Literal["momentum", "none"]
@@ -249,12 +247,14 @@ def _projections(
 ) -> Iterator[ClosedProjection]:
     """Factor the system of each smoothness in turn, the next while the last is in use."""
     # What both threads read is computed before there are two of them; factoring works without the GIL.
-    _ = fields.mass, fields.smoothness, fields.basis_transposed
+    system = sparse.csr_array(fields.mass + schedule[0] * fields.smoothness)
+    _ = fields.basis_transposed
+    analysis = analysed(system, ordering) if len(schedule) > 1 and handles is None else ordering
     with ThreadPoolExecutor(max_workers=1) as ahead:
-        upcoming = ahead.submit(ClosedProjection, fields, schedule[0], ordering, handles)
+        upcoming = ahead.submit(ClosedProjection, fields, schedule[0], analysis, handles)
         for weight in schedule[1:]:
             project = upcoming.result()
-            upcoming = ahead.submit(ClosedProjection, fields, weight, ordering, handles)
+            upcoming = ahead.submit(ClosedProjection, fields, weight, analysis, handles)
             yield project
             del project
         yield upcoming.result()
