@@ -60,6 +60,7 @@ def sentence(made: TwinOfFile) -> str:
     if not target.comes_back:
         return f"The object does not come back: its crossings are {far} from those of {name} ({where})."
     end = f" Check {contradiction_sentence(pattern, doubts[0])}." if doubts else ""
+    end += f" But {made.also}." if made.also else ""
     return f"The object comes back: its crossings are {far} from those of {name} ({where}).{end}"
 
 

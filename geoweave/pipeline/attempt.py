@@ -16,6 +16,7 @@ from geoweave.pipeline.verdict import (
     BUT,
     DO_NOT,
     Verdict,
+    other_shape,
     rebuilt_reasons,
     surface_reasons,
     verdict_of,
@@ -121,7 +122,10 @@ def _judged(
     target = next(iter(likeness.values()))
     openings = openings_of(strips.designed)
     broken = rebuilt_reasons(twin, target, weave.mesh.genus, openings)
-    return verdict_of(inspection, strips, relaxed, broken)
+    found = verdict_of(inspection, strips, relaxed, broken)
+    if found.word != DO_NOT and (why := other_shape(twin)):
+        return Verdict(BUT, (why, *found.reasons), found.remedy)
+    return found
 
 
 def _flat_reasons(weave: Weave, pattern: Pattern, inspection: Inspection) -> tuple[str, ...]:

@@ -15,7 +15,7 @@ from geoweave.documents import read_json
 from geoweave.errors import FieldError
 from geoweave.files import checked_folder
 from geoweave.pipeline.source import Say, about, silent, timed
-from geoweave.pipeline.verdict import rebuilt_reasons, surface_reasons
+from geoweave.pipeline.verdict import other_shape, rebuilt_reasons, surface_reasons
 from geoweave.pipeline.weave_folder import (
     earlier_report,
     listed_files,
@@ -65,6 +65,11 @@ class TwinOfFile:
     def reasons(self) -> tuple[str, ...]:
         """Why the object does not come back from its strips; nothing if it does."""
         return rebuilt_reasons(self.twin, self.target, self.genus_designed, self.openings_designed)
+
+    @property
+    def also(self) -> str:
+        """What is to be said of another shape in which the strips can rest; "" if none is known."""
+        return other_shape(self.twin)
 
     @property
     def target(self) -> Likeness | None:
@@ -192,6 +197,9 @@ def put_together(
 ) -> tuple[Twin, dict[str, Likeness]]:
     """Put a pattern together, and its mirror image too where the strips do not tell them apart.
 
+    The twin is made of the strips alone. Where it comes to rest in another shape than the weave, the strips
+    are also laid where the weave is. If they keep its shape, and with less energy, that is their twin.
+
     Parameters
     ----------
     pattern : the strips
@@ -212,8 +220,26 @@ def put_together(
         other = _compared(image, beside)
         seconds |= {key: seconds[key] + more for key, more in image.seconds.items()}
         if next(iter(other.values())).ribbons.rms < next(iter(likeness.values())).ribbons.rms:
-            return image, other
+            twin, likeness = image, other
+    if likeness and not next(iter(likeness.values())).comes_back:
+        return _begun_at_weave(twin, likeness, beside, seconds, say)
     return twin, likeness
+
+
+def _begun_at_weave(
+    twin: Twin, likeness: dict[str, Likeness], beside: Mapping[str, Any], seconds: dict[str, float], say: Say
+) -> tuple[Twin, dict[str, Likeness]]:
+    """Begin again where the weave is that decides; what comes back so with less energy is the object."""
+    from geoweave.twin import begun_at
+
+    what = next(iter(likeness))
+    say("putting the strips together where the weave has them")
+    other = begun_at(twin, beside[what], BESIDE[what])
+    if other is None:
+        return twin, likeness
+    seconds |= other.seconds
+    found = _compared(other, beside)
+    return (other, found) if found[what].comes_back else (twin, likeness)
 
 
 def _twin(pattern: Pattern, anyway: bool, say: Say, *, mirrored: bool = False) -> Twin:

@@ -12,7 +12,17 @@ if TYPE_CHECKING:
     from geoweave.twin import Likeness, PatternSurface, Twin
     from geoweave.weave import Inspection
 
-__all__ = ["BUT", "DO_NOT", "HOLDS", "MAKE", "Verdict", "rebuilt_reasons", "surface_reasons", "verdict_of"]
+__all__ = [
+    "BUT",
+    "DO_NOT",
+    "HOLDS",
+    "MAKE",
+    "Verdict",
+    "other_shape",
+    "rebuilt_reasons",
+    "surface_reasons",
+    "verdict_of",
+]
 
 MAKE, BUT, DO_NOT = "make it", "make it, but", "do not cut this"
 """The words of a verdict."""
@@ -88,6 +98,18 @@ def rebuilt_reasons(
             f"{_hanging(twin.surface, target.worst)}"
         )
     return tuple(found)
+
+
+def other_shape(twin: Twin) -> str:
+    """What is to be said of strips that rest in the shape of the weave, and in another one; "" of no such."""
+    if twin.alone is None:
+        return ""
+    one, other = (twin.pattern.strips[r].label for r in twin.pattern.ribbons[twin.alone.worst])
+    off = twin.alone.crossings.largest * twin.alone.diagonal
+    return (
+        f"the strips can also rest in another shape, less easily, where {one} crosses {other} {off:.3g} mm "
+        "from its place; press them into the shape of the picture there"
+    )
 
 
 def _hanging(surface: PatternSurface, crossing: int) -> str:

@@ -1,3 +1,4 @@
+from .begun_at_weave import begun_at as begun_at
 from .contradictions import (
     Contradiction as Contradiction,
     check_sound as check_sound,

@@ -107,6 +107,8 @@ class Twin:
     rest : where the rods came to rest, at bounding radius 1
     tried : energy that each start reached; the least with the printed side out was relaxed further
     seconds : wall-clock seconds of each stage
+    alone : if it began where a weave is (`begun_at`), how far the rest of more energy is from that weave to
+        which the strips alone lead
     """
 
     surface: PatternSurface
@@ -115,6 +117,7 @@ class Twin:
     rest: Equilibrium
     tried: tuple[float, ...]
     seconds: dict[str, float]
+    alone: Likeness | None = None
 
     @property
     def pattern(self) -> Pattern:
@@ -164,7 +167,7 @@ class Twin:
         FieldError
             If it is no weave in mm, or not the one that the pattern was exported from.
         """
-        lines, known = self._read(document, name)
+        lines, known = self.lines_and_places(document, name)
         layout, rest = self.rods.layout, self.rods.rest
         before = np.cumsum(rest) - rest
         along = before - before[layout.segment_offsets[:-1]][layout.rod_of_segment]
@@ -217,6 +220,7 @@ class Twin:
                 "openings": surface.openings,
                 "contradictions": [contradiction_sentence(pattern, each) for each in self.contradictions],
             },
+            "alone": None if self.alone is None else self.alone.document(),
             "outward": self.outward,
             "side_known": self.side_known,
             "converged": self.rest.converged,
@@ -274,7 +278,7 @@ class Twin:
         """(C, 3) places between the two strips of each crossing, for vertices anywhere."""
         return _at_crossings(self.rods, self.start.cut, points)
 
-    def _read(self, document: Mapping[str, Any], name: str) -> tuple[list[Vectors], Vectors]:
+    def lines_and_places(self, document: Mapping[str, Any], name: str) -> tuple[list[Vectors], Vectors]:
         """Centrelines of a weave, closed ones with the first point again, and (C, 3) its crossings or nan."""
         pattern = self.pattern
         if document.get("units") != "mm":

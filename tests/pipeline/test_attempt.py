@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from twinned import twin, woven
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.pattern import Pattern
@@ -100,6 +101,18 @@ def test_remedies_are_tried_in_their_order(helps: str, monkeypatch: pytest.Monke
         assert "then the verdict is 'make it, but'" in found.remedy
     else:
         assert found.remedy.startswith("Tried in vain: strips of the design")
+
+
+def test_strips_with_another_shape_are_made_with_a_word_on_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = twin("cone")
+    near = made.compared(woven("cone").relaxed)
+    far = near._replace(crossings=replace(near.crossings, largest=0.2))
+    monkeypatch.setattr(module, "put_together", lambda *_: (replace(made, alone=far), {"woven": near}))
+    found = attempted(surface(), 0, REQUEST, True, {}, lambda text: None, first().weave).verdict
+    assert found is not None
+    assert found.word == BUT
+    assert found.reasons[0].startswith("the strips can also rest in another shape")
+    assert f"{0.2 * near.diagonal:.3g} mm from its place" in found.reasons[0]
 
 
 def test_a_finer_mesh_is_no_remedy_for_a_design_that_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
