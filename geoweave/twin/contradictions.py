@@ -50,11 +50,14 @@ def contradictions_of(surface: PatternSurface) -> tuple[Contradiction, ...]:
     strip. Otherwise it is the place of a crossing of two strips where leaving out either of them does it. If
     more than one place is wrong, every change of a sign or of an order that takes a handle away is listed.
 
+    A net of genus 0 lies in a sphere just as its crossings say. Where a face of it comes to a crossing twice,
+    something hangs on that crossing alone (`hanging_parts`), and nothing contradicts.
+
     >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=8).sized(200.0)
     >>> gw.twin.contradictions_of(gw.twin.surface_of(gw.fabrication.pattern_of(weave)))
     ()
     """
-    if not surface.tangled:
+    if not surface.tangled or surface.genus == 0:
         return ()
     search = _Search(surface)
     single = [*search.wrong_angles(), *search.wrong_orders()]
