@@ -16,11 +16,12 @@ from geoweave.twin.twin import Twin, assembled
 from geoweave.weave.design import weave_pattern
 
 SHAPES = {
-    "cone": (lambda: shapes.cone(faces=1500), 12),
-    "sphere": (lambda: shapes.sphere(600), 10),
-    "saddle": (lambda: shapes.saddle(faces=1500), 20),
-    "torus": (lambda: shapes.torus(faces=1500), 20),
+    "cone": (lambda: shapes.cone(faces=1500), 12, "regular"),
+    "sphere": (lambda: shapes.sphere(600), 16, "regular"),
+    "saddle": (lambda: shapes.saddle(faces=1500), 20, "regular"),
+    "torus": (lambda: shapes.torus(faces=1500), 20, "free"),
 }
+"""The surface, how many ribbons, and their phase: few regular ribbons do not hold a torus in shape."""
 
 
 class Woven(NamedTuple):
@@ -33,8 +34,8 @@ class Woven(NamedTuple):
 
 @cache
 def woven(name: str) -> Woven:
-    mesh, ribbons = SHAPES[name]
-    weave = weave_pattern(mesh(), ribbons=ribbons).sized(200.0)
+    mesh, ribbons, phase = SHAPES[name]
+    weave = weave_pattern(mesh(), ribbons=ribbons, phase=phase).sized(200.0)
     return Woven(weave.document(), relaxed_weave(weave).document(), weave.mesh.genus)
 
 
