@@ -23,6 +23,7 @@ from geoweave.foliation.integrability import integrating_factor
 from geoweave.foliation.level_sets import isolines
 from geoweave.foliation.theta_and_s import Alternation
 from geoweave.models import shapes
+from geoweave.sparse.factorization import LARGE
 from geoweave.surface.twisted_mesh import TwistedMesh
 from geoweave.weave.cover import Cover, Quotient, branched_cover
 
@@ -336,20 +337,22 @@ def test_steps_of_theta_and_s_on_the_quotient_are_those_of_all_sheets(name: str)
     _, theta = below.eigenvector(below.start(0), None, s)
     lifted = lifted_to_vertices(quotient, theta)
     assert 2 * below.energy(theta, s) == pytest.approx(above.energy(lifted, lifted_s), rel=1e-12)
+    # From 12,000 unknowns on factors are single, and steps are solved to a share of what they change.
+    near = 1e-6 if len(lifted) + len(lifted_s) < LARGE else 1e-3
     # what the small shift of the matrix leaves: a constant on a component that is not twisted
     for _ in range(2):
         theta, s = below.improve_both(theta, s)
         s = below.improve_s(theta, s)
         lifted, lifted_s = above.improve_both(lifted, lifted_s)
         lifted_s = above.improve_s(lifted, lifted_s)
-        np.testing.assert_allclose(lifted_s, s[quotient.faces], rtol=1e-6)
+        np.testing.assert_allclose(lifted_s, s[quotient.faces], rtol=near)
         np.testing.assert_allclose(
-            np.exp(1j * lifted), np.exp(1j * lifted_to_vertices(quotient, theta)), atol=1e-6
+            np.exp(1j * lifted), np.exp(1j * lifted_to_vertices(quotient, theta)), atol=near
         )
     np.testing.assert_allclose(
         np.exp(1j * above.improve_theta(lifted, lifted_s)),
         np.exp(1j * lifted_to_vertices(quotient, below.improve_theta(theta, s))),
-        atol=1e-6,
+        atol=near,
     )
 
 
