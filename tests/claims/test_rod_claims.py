@@ -18,7 +18,7 @@ from geoweave.rods.steps import Problem
 from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave
 from geoweave.weave.design import Weave, weave_pattern
 
-CLOSED = {"bumpy box": 15, "icosahedron": 15, "sphere": 12, "torus": 20}
+CLOSED = {"bumpy box": 15, "icosahedron": 15, "sphere": 16, "torus": 20}
 """Models and about how many ribbons they get."""
 
 
