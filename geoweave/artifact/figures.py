@@ -24,7 +24,7 @@ from pathlib import Path
 
 import nbformat
 
-from geoweave.artifact import claims, crate, doctor, notebooks
+from geoweave.artifact import claims, doctor, notebooks
 from geoweave.artifact.execution import Children, execute, interrupt_once
 from geoweave.artifact.progress import Progress
 from geoweave.artifact.results import Result, summary
@@ -231,6 +231,8 @@ def report_claims(root: Path | None = None) -> None:
 def _write_catalogues(root: Path) -> None:
     """Write what lists all figures: the index for readers, the research object for machines."""
     _write(root / "figures" / "INDEX.md", notebooks.figures_index(root).encode())
+    from geoweave.artifact import crate  # it needs numpy, which nothing else here does
+
     _write(root / crate.FILE, crate.text(root).encode())
 
 

@@ -332,7 +332,7 @@ def assembled(
     RodError
         If a strip cannot be a rod.
 
-    >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=10).sized(200.0)
+    >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=16).sized(200.0)
     >>> twin = gw.twin.assembled(gw.fabrication.pattern_of(weave))
     >>> twin.compared(weave.document()).comes_back
     True

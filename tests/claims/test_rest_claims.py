@@ -65,9 +65,9 @@ def turns(rods: Rods) -> np.ndarray:
 def test_sharp_creases_are_not_preserved(ribbons: int) -> None:
     """Section 6: the icosahedron "loses its sharp creases when the ribbons relax to static equilibrium".
 
-    Folds of up to 42 degrees, seen along ribbons that cross them askew, are rounded to two thirds of that. At most
-    a fifth of the turns of more than 25 degrees is left. With twenty ribbons it is a sixth,
-    because they may not pass each other (DEVIATIONS, order).
+    Folds of up to 42 degrees, seen along ribbons that cross them askew, are rounded to two thirds of that.
+    At most a fifth of the turns of more than 25 degrees is left. With twenty ribbons it is a sixth, because
+    they may not pass each other (DEVIATIONS, order).
     """
     rest = relaxed_weave(field("icosahedron").pattern(ribbons=ribbons))
     assert rest.converged

@@ -18,7 +18,7 @@ from geoweave.weave.weave import Weave
 
 @cache
 def weave() -> Weave:
-    return weave_pattern(shapes.sphere(600), ribbons=10).sized(80.0)
+    return weave_pattern(shapes.sphere(600), ribbons=16).sized(80.0)
 
 
 @pytest.mark.parametrize("name", ["weave.json", "weave.rod"])

@@ -17,7 +17,7 @@ from geoweave.weave.design import weave_pattern
 @cache
 def torus():
     """A torus of few ribbons, which is far from its surface with straight strips."""
-    return weave_pattern(shapes.torus(faces=1500), ribbons=20)
+    return weave_pattern(shapes.torus(faces=1500), ribbons=20, phase="free")
 
 
 @cache
