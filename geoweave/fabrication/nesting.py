@@ -195,19 +195,8 @@ def _full_rows(drawings: Sequence[Drawn], room: float, gap: float) -> list[list[
 
     Pieces are sorted within their rows, and rows by their first pieces.
     """
-    found: list[list[int]] = []
-    left: list[float] = []
-    for k in sorted(range(len(drawings)), key=lambda k: (-_length(drawings[k]), _by(drawings)(k))):
-        need = _length(drawings[k]) + gap
-        fitting = [(left[r], r) for r in range(len(found)) if left[r] >= need - 1e-9]
-        if fitting:
-            r = min(fitting)[1]
-            found[r].append(k)
-            left[r] -= need
-        else:
-            found.append([k])
-            left.append(room + gap - need)
-    rows = [sorted(row, key=_by(drawings)) for row in found]
+    order = sorted(range(len(drawings)), key=lambda k: (-_length(drawings[k]), _by(drawings)(k)))
+    rows = [sorted(row, key=_by(drawings)) for row in _best_fit(order, drawings, room, gap)]
     return sorted(rows, key=lambda row: _by(drawings)(row[0]))
 
 
@@ -218,23 +207,28 @@ def _sorted_rows(drawings: Sequence[Drawn], room: float, gap: float) -> list[lis
         own = sorted((k for k in range(len(drawings)) if drawings[k].family == family), key=_by(drawings))
         spliced = [k for k in own if drawings[k].piece.total > 1]
         whole = [k for k in own if drawings[k].piece.total == 1]
-        found: list[list[int]] = []
-        left: list[float] = []
         # The last piece of a strip may lie behind that of another one; its other pieces fill their rows.
         rest = sorted(whole, key=lambda k: -_length(drawings[k]))
-        for k in [*spliced, *rest]:
-            need = _length(drawings[k]) + gap
-            # The row that it fills best.
-            fitting = [(left[r], r) for r in range(len(found)) if left[r] >= need - 1e-9]
-            if fitting:
-                r = min(fitting)[1]
-                found[r].append(k)
-                left[r] -= need
-            else:
-                found.append([k])
-                left.append(room - _length(drawings[k]))
+        found = _best_fit([*spliced, *rest], drawings, room, gap)
         rows += sorted(found, key=lambda row: _by(drawings)(row[0]))
     return _merged(rows, drawings, room, gap)
+
+
+def _best_fit(order: Sequence[int], drawings: Sequence[Drawn], room: float, gap: float) -> list[list[int]]:
+    """Lay pieces in rows in this order, each into the row that it fills best."""
+    found: list[list[int]] = []
+    left: list[float] = []
+    for k in order:
+        need = _length(drawings[k]) + gap
+        fitting = [(left[r], r) for r in range(len(found)) if left[r] >= need - 1e-9]
+        if fitting:
+            r = min(fitting)[1]
+            found[r].append(k)
+            left[r] -= need
+        else:
+            found.append([k])
+            left.append(room + gap - need)
+    return found
 
 
 def _merged(rows: list[list[int]], drawings: Sequence[Drawn], room: float, gap: float) -> list[list[int]]:

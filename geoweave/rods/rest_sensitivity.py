@@ -17,7 +17,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from geoweave.arrays import Flags, Scalars, Vectors
-from geoweave.errors import RodError
 from geoweave.rods.elastic_energies import GEODESIC, JOINTS, Term, point_unknowns
 from geoweave.rods.hessian import Pattern
 from geoweave.rods.rods import Rods
@@ -60,13 +59,7 @@ class RestSensitivity:
         problem = Problem(rods, tuple(terms), fixed, load, True, pattern)
         now = problem.completed(problem.tried(rods))
         matrix = problem.matrix(now, now.residuals)
-        for shift in SHIFTS:
-            solve = problem.factored(matrix, shift)
-            if solve is not None:
-                break
-        else:
-            raise RodError("the rods are not at rest in a stable shape; relax them further")
-        self.solve, self.fixed = solve, fixed
+        self.solve, self.fixed = problem.stable(matrix, SHIFTS), fixed
         layout, self.joints = rods.layout, rods.layout.joints
         self.ends = point_unknowns(layout.ends)
         pull = rods.material.stretching(rods.widths) * rods.lengths / rods.rest**2

@@ -82,13 +82,7 @@ class RestStiffness:
         problem = Problem(rods, terms, pinned, None, True, hessian.analysed(rods.size, terms, pinned))
         now = problem.completed(problem.tried(rods))
         matrix = problem.matrix(now, now.residuals)
-        for shift in SHIFTS:
-            solve = problem.factored(matrix, shift)
-            if solve is not None:
-                break
-        else:
-            raise RodError("the rods are not at rest in a stable shape; relax them further")
-        self.solve, self.pinned = solve, pinned
+        self.solve, self.pinned = problem.stable(matrix, SHIFTS), pinned
 
     def _rigid_motions(self, vertices: Indices, segments: Indices) -> Vectors:
         """(3 V + S, 6) motions of a part as a rigid whole, turns about its middle by one over its size."""

@@ -6,7 +6,7 @@ A step solves a linear system, loses its rigid motion, and is shortened until th
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
@@ -228,6 +228,20 @@ class Problem:
             if forces is not None and term.curvature is not None:
                 extra[number] = term.curvature(now.rods, forces[number])
         return self.pattern.matrix(now.jacobians, extra)
+
+    def stable(self, matrix: sparse.csr_array, shifts: Sequence[float]) -> Solve:
+        """Factor the matrix of rods at rest, with the smallest of some dampings that will do.
+
+        Raises
+        ------
+        RodError
+            If none does: the rods are at rest where they would leave, or not at rest.
+        """
+        for shift in shifts:
+            solve = self.factored(matrix, shift)
+            if solve is not None:
+                return solve
+        raise RodError("the rods are not at rest in a stable shape; relax them further")
 
     def factored(self, matrix: sparse.csr_array, damping: float) -> Solve | None:
         """Factor a damped matrix; None if it is not positive definite to working precision."""
