@@ -52,7 +52,8 @@ notebooks: $(STAMP) ## refresh the outputs stored in notebooks/
 	@$(PY) -m geoweave.artifact.doctor --rendering
 	@$(PY) -m geoweave.artifact.figures refresh --jobs $(JOBS) $(NAMES)
 
-# What is published there must not overwrite the committed figures; the lock moves no version of the other.
+# What is published there must not overwrite the committed figures. requirements-lab.lock is bound by
+# requirements.lock: installing it moves no version that figures depend on.
 lab: $(STAMP) ## open JupyterLab on the notebooks (LABFLAGS="--no-browser --port=8890")
 	@$(PY) -c 'import jupyterlab' 2>/dev/null || { \
 	  echo "Installing JupyterLab into $(VENV) (about 20 MB to fetch, once)" >&2; \

@@ -214,7 +214,7 @@ def line(row: dict, misses: list[str]) -> str:
 
 def kept(rows: list[dict], path: Path) -> None:
     """Write rows as they are committed: names, and numbers to four digits."""
-    names = ["name", "asked", *(each for each in COLUMNS if each not in ("woven",))]
+    names = ["name", "asked", *(each for each in COLUMNS if each != "woven")]
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([*names, "misses"])

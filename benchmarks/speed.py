@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from benchmarks.cover import compile_all
+from benchmarks.foliation import Counted
 from geoweave.meshing.remesh import isotropic_remesh
 from geoweave.models import catalogue
 from geoweave.sparse import reuse
-from geoweave.sparse.factorization import Factorization, factorized, one_blas_thread
+from geoweave.sparse.factorization import factorized, one_blas_thread
 from geoweave.weave.design import weave_field
 
 WANTED = (60, 100)
@@ -27,21 +28,6 @@ FACTORISATIONS = 4
 
 Both are timed in double precision, whatever the foliation itself uses: the limit does not move with it.
 """
-
-
-class Counted:
-    """Factors that count their solves."""
-
-    def __init__(self, factors: Factorization, solves: list[int]) -> None:
-        self._factors, self._solves = factors, solves
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._factors, name)
-
-    def solve(self, right: Any) -> Any:
-        """Solve, and count it."""
-        self._solves.append(1)
-        return self._factors.solve(right)
 
 
 class Clock:

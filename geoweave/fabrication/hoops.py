@@ -96,7 +96,7 @@ def hooped(
             f"--hoops {np.ceil(10 * least) / 10:g} or more"
         )
     bare = [(_array(each["points"]), _array(each["normals"])) for each in openings]
-    loops = [(points, standing(points, normals)) for points, normals in bare]
+    loops = [(points, upright(points, normals)) for points, normals in bare]
     ends = _ends(weave, bare)
     empty = [k for k in range(len(loops)) if not any(each.opening == k for each in ends)]
     if len(empty) == len(loops):
@@ -107,12 +107,12 @@ def hooped(
         for k, (points, normals) in enumerate(loops):
             own = [each for each in ends if each.opening == k]
             there = _at_rest(points, own, weave, rest) if own else points
-            moved.append((there, standing(there, normals)))
+            moved.append((there, upright(there, normals)))
         found["relaxed.json"] = _with(rest, loops, moved, ends, allowance)
     return found
 
 
-def standing(points: Vectors, normals: Vectors) -> Vectors:
+def upright(points: Vectors, normals: Vectors) -> Vectors:
     """(N, 3) normals of a straight strip along a closed line: it stands on the plane that fits the line best.
 
     A boundary bends within its surface, which a straight strip cannot. It leans away from the surface

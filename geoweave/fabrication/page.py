@@ -12,7 +12,7 @@ from typing import Any
 
 from geoweave.checkout import PACKAGE
 from geoweave.errors import FieldError
-from geoweave.fabrication.guide_threejs import three_js
+from geoweave.fabrication.threejs import three_js
 
 __all__ = ["page_of"]
 

@@ -134,6 +134,8 @@
   }
 
   function shape(k) {
+    // What is edited in space is edited on the design.
+    if (k !== 0 && space.mode !== "look") mode("look");
     space.shape(k);
     choice($("states"), Object.fromEntries(content.states.map((each, n) => [n, each.says])), k, (key) => shape(Number(key)));
     listColours();

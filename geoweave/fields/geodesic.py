@@ -273,14 +273,10 @@ def _alternate(
     """Algorithm 1 at one smoothness: w, its closed field v = w + delta, and whether w stood still."""
     mesh = project.fields.mesh
 
-    def closed(w: Complexes) -> tuple[Complexes, float]:
-        v, energy = project(w)
-        return v, energy if sums is None else energy + sums.energy(w)
-
     def nearest(v: Complexes, w: Complexes) -> Complexes:
         return project.unit(v) if sums is None else sums.nearest(v, w)
 
-    v, energy = closed(w)
+    v, energy = _closed(project, w, sums)
     previous, momentum = w, 1.0
     for _ in range(limit):
         plain = nearest(v, w)
@@ -290,11 +286,11 @@ def _alternate(
             following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum**2))
             trial = nearest(plain + (momentum - 1.0) / following * (plain - previous), plain)
             momentum = following
-        trial_v, trial_energy = closed(trial)
+        trial_v, trial_energy = _closed(project, trial, sums)
         if trial_energy > energy and trial is not plain:
             # The safeguard: a plain step cannot raise the energy.
             trial, momentum = plain, 1.0
-            trial_v, trial_energy = closed(trial)
+            trial_v, trial_energy = _closed(project, trial, sums)
         if trial_energy > energy:
             if trial_energy > energy + ROUNDING * abs(energy) + AREA_ROUNDING * mesh.face_areas.sum():
                 if not project.refine():
@@ -302,7 +298,7 @@ def _alternate(
                         f"a step of Algorithm 1 raised the energy from {energy:.6g} to {trial_energy:.6g}: "
                         "the mesh is too distorted for double precision; remesh it (--faces N)"
                     )
-                v, energy = closed(w)
+                v, energy = _closed(project, w, sums)
                 continue
             # Only rounding is left to gain: the field is stationary to working precision.
             return w, v, True
@@ -314,6 +310,12 @@ def _alternate(
         if change < tolerance:
             return w, v, True
     return w, v, False
+
+
+def _closed(project: ClosedProjection, w: Complexes, sums: ZeroSum | None) -> tuple[Complexes, float]:
+    """The closed field v = w + delta and the energy, with what `ZeroSum` adds."""
+    v, energy = project(w)
+    return v, energy if sums is None else energy + sums.energy(w)
 
 
 def _promising_phase(
@@ -330,8 +332,7 @@ def _promising_phase(
     for field in rotated:
         steps: list[Step] = []
         _alternate(project, field, PROBING_STEPS, tolerance, acceleration, steps, None, sums)
-        at_rest = 0.0 if sums is None else sums.energy(field)
-        energies.append(steps[-1].energy if steps else project(field)[1] + at_rest)
+        energies.append(steps[-1].energy if steps else _closed(project, field, sums)[1])
     return rotated[int(np.argmin(energies))]
 
 

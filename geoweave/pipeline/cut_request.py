@@ -152,11 +152,9 @@ class CutRequest:
 
     def document(self) -> dict[str, Any]:
         """What was asked for, as ``report.json`` holds it."""
-        given = {each.name: getattr(self, each.name) for each in fields(self)}
+        given = {each.name: (getattr(self, each.name), each.default) for each in fields(self)}
         return {
             name: list(value) if isinstance(value, tuple) else value
-            for name, value in given.items()
-            if value is not None
-            and value is not False
-            and not (name in ("holes", "extra", "hoops") and value == 0)
+            for name, (value, default) in given.items()
+            if value != default
         }

@@ -5,14 +5,16 @@ from __future__ import annotations
 import json
 import math
 import os
+import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from geoweave.documents import read_json
 from geoweave.errors import FieldError
-from geoweave.files import Job, OutputError, checked_folder, printable, text_job
+from geoweave.files import Job, OutputError, checked_folder, printable
 from geoweave.pipeline.cut_request import CutRequest
 from geoweave.pipeline.source import Say, about, silent, timed
 from geoweave.pipeline.strips import CutStrips, strips_of
@@ -202,5 +204,5 @@ def _write(
     else:
         for name in WOVEN:
             if (source / name).is_file():
-                jobs = {name: text_job((source / name).read_text(encoding="utf-8")), **jobs}
+                jobs = {name: partial(shutil.copyfile, source / name), **jobs}
     return write_reported(jobs, report, target, kept)

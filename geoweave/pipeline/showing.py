@@ -113,7 +113,6 @@ def _written(
         kept = tuple(name for name in listed_files(source) if name != PAGE)
         return write_reported({PAGE: text_job(text)}, report, source, kept)[PAGE]
     path = source / PAGE if output is None else Path(output)
-    check_writable(path)
     with replacing(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+        text_job(text)(temporary)
     return path

@@ -54,9 +54,14 @@ class ContactForces:
         return frozen(-(self.on_upper * self.normals).sum(axis=1))
 
     @cached_property
+    def along(self) -> Vectors:
+        """(C, 3) the part of the force that pushes the upper ribbon along the lower one."""
+        return frozen(self.on_upper + self.separation[:, None] * self.normals)
+
+    @cached_property
     def sliding(self) -> Scalars:
         """(C,) size of the force that pushes the two ribbons along each other."""
-        return frozen(np.linalg.norm(self.on_upper + self.separation[:, None] * self.normals, axis=1))
+        return frozen(np.linalg.norm(self.along, axis=1))
 
     @cached_property
     def friction(self) -> Scalars:

@@ -56,12 +56,11 @@ class Lack:
         forces = contact_forces(rods, goal.springs)
         self.term = contact_position(rods, goal.springs.position)
         self.size = rods.size
-        along = forces.on_upper + forces.separation[:, None] * forces.normals
         pulled = forces.separation + goal.unit
         scale = np.sqrt(goal.weight / len(forces)) / goal.unit
         acts = (pulled > 0)[:, None]
         self.residuals: Scalars = (
-            scale * np.concatenate([along, np.where(acts, pulled[:, None], 0.0)], axis=1)
+            scale * np.concatenate([forces.along, np.where(acts, pulled[:, None], 0.0)], axis=1)
         ).ravel()
         n = forces.normals
         frame = np.concatenate([np.eye(3) - n[:, :, None] * n[:, None, :], -(acts * n)[:, None, :]], axis=1)

@@ -9,7 +9,7 @@ from os import PathLike
 from typing import Any
 
 from geoweave.fabrication import viewer_html
-from geoweave.files import check_writable, replacing
+from geoweave.files import replacing, text_job
 from geoweave.rods import Relaxed
 from geoweave.viz.picture import INLINE_BYTES, INLINE_WIDTH, Picture
 from geoweave.viz.woven_picture import weave as still
@@ -53,9 +53,8 @@ class Turnable:
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the page to a file, whole or not at all."""
-        check_writable(path)
         with replacing(path) as temporary:
-            temporary.write_text(self.page, encoding="utf-8")
+            text_job(self.page)(temporary)
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
         png = self.picture.png_within(INLINE_BYTES, INLINE_WIDTH)

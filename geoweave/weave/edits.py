@@ -14,14 +14,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from geoweave import documents
 from geoweave.arrays import Indices, frozen
 from geoweave.curves import Crossings, Curves
 from geoweave.documents import read_json
 from geoweave.errors import FieldError
+from geoweave.surface import connected_components
 from geoweave.weave.interlacing import EFFORT, Interlacing, judged, optimal
 from geoweave.weave.passages import Passages
 from geoweave.weave.ribbons import Ribbons
@@ -305,12 +304,8 @@ def _nearest(passages: Passages, before: Indices, effort: int) -> Interlacing:
     """
     best = optimal(passages, effort)
     relations = passages.relations
-    links = sparse.csr_array(
-        (np.ones(len(relations.first)), (relations.first, relations.second)), (len(passages),) * 2
-    )
-    parts, part = csgraph.connected_components(links, directed=False)
-    differ = np.bincount(part, best.over != before, parts)
-    turned = 2 * differ > np.bincount(part, minlength=parts)
+    part = connected_components(np.stack([relations.first, relations.second], axis=1), len(passages))
+    turned = 2 * np.bincount(part, best.over != before) > np.bincount(part)
     return replace(best, over=frozen(np.where(turned[part], 1 - best.over, best.over)))
 
 

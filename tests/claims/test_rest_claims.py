@@ -40,7 +40,7 @@ def test_an_open_surface_whose_boundary_is_held_keeps_its_shape_better(ribbons: 
 
 
 def test_more_and_thinner_ribbons_follow_a_shape_more_closely() -> None:
-    """The width is a share of the spacing; three times the ribbons more than halve the mean distance."""
+    """The width is a share of the spacing; twice the ribbons and more halve the mean distance."""
     found = []
     for scale in (0.2, 0.3, 0.5):
         weave = field("bumpy box").pattern(scale=scale)
@@ -65,9 +65,10 @@ def turns(rods: Rods) -> np.ndarray:
 def test_sharp_creases_are_not_preserved(ribbons: int) -> None:
     """Section 6: the icosahedron "loses its sharp creases when the ribbons relax to static equilibrium".
 
-    Folds of up to 42 degrees, seen along ribbons that cross them askew, are rounded to two thirds of that.
-    At most a fifth of the turns of more than 25 degrees is left. With twenty ribbons it is a sixth, because
-    they may not pass each other (DEVIATIONS, order).
+    Folds of up to 42 degrees, seen along ribbons that cross them askew, are rounded to less than two thirds
+    of that (to 0.6 before `zero-sum` turned the families). At most a fifth of the turns of more than 25
+    degrees is left. With twenty ribbons it is a sixth, because they may not pass each other (DEVIATIONS,
+    order).
     """
     rest = relaxed_weave(field("icosahedron").pattern(ribbons=ribbons))
     assert rest.converged

@@ -11,8 +11,10 @@ import pytest
 from browser import browser, opened
 
 from geoweave.cli import main
+from geoweave.cli.edit_command import NAMES
 from geoweave.meshing.write import write_mesh
 from geoweave.models import shapes
+from geoweave.pipeline.editing import COMPARED
 from geoweave.pipeline.weave_folder import earlier_report
 from geoweave.weave import Edits, design_key
 
@@ -129,3 +131,7 @@ def test_what_cannot_be_applied_is_refused(
     said = "edits.json: holds no edits; save it again from the page of 'geoweave show'"
     assert said in capfd.readouterr().err
     assert main.main(["edit", str(woven), str(tmp_path / "none.json")]) == 2
+
+
+def test_every_number_that_may_differ_has_a_name() -> None:
+    assert tuple(NAMES) == COMPARED

@@ -36,6 +36,14 @@ def test_another_folder_is_whole_and_is_cut_again(tmp_path: Path) -> None:
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
 
 
+def test_a_design_is_copied_byte_by_byte(tmp_path: Path) -> None:
+    """It is no text, as the other files of a weave are."""
+    write_weave(cone(), tmp_path / "woven", ("json", "design"))
+    cut_folder(tmp_path / "woven", tmp_path / "cut", CutRequest(formats=("csv",)))
+    files = [tmp_path / folder / "design.npz" for folder in ("woven", "cut")]
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
 def test_a_verdict_on_other_strips_does_not_stay(tmp_path: Path) -> None:
     about = {"verdict": {"word": "make it"}, "strips": strips_of(cone(), None).document()}
     write_weave(cone(), tmp_path / "woven", about=about)

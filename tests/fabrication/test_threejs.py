@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from geoweave.fabrication.guide_threejs import three_js
+from geoweave.fabrication.threejs import three_js
 from geoweave.files import OutputError
 
 HEAD = "/**\n * @license\n * Copyright 2010-2022 Three.js Authors\n */"
