@@ -212,11 +212,11 @@ def _check_surface(prepared: Prepared, design: Weave | None) -> None:
 
     if design is None:
         return
-    here, there = prepared.mesh, design.mesh
-    near = 1e-9 * here.bounding_radius
+    # A weave is designed on the normalised surface, of bounding radius 1.
+    here, there = prepared.mesh.normalized()[0], design.mesh
     if not (
         np.array_equal(here.faces, there.faces)
-        and np.allclose(here.vertices, there.vertices, rtol=0.0, atol=near)
+        and np.allclose(here.vertices, there.vertices, rtol=0.0, atol=1e-9)
     ):
         raise FieldError("the mesh is not the one that the weave was designed on; weave it anew")
 
