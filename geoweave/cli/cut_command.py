@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from geoweave.cli.options import Positive, as_json, print_json, print_table, seconds_text, status
+from geoweave.cli.options import Positive, as_json, print_json, print_table, seconds_text, status, up_option
 
 if TYPE_CHECKING:
     from geoweave.pipeline import CutFiles, CutRequest
@@ -55,6 +55,7 @@ OPTIONS = (
         "--labels", metavar="engraved|printed|none", help="Names as lines, as letters of a font, or none."
     ),
     click.option("--title", help="Of the drawings (the name of the folder)."),
+    up_option,
     click.option(
         "--formats",
         metavar="svg,pdf",

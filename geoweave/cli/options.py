@@ -60,6 +60,13 @@ seed_option = click.option(
 )
 
 
+up_option = click.option(
+    "--up",
+    type=click.Choice(("x", "y", "z", "-x", "-y", "-z")),
+    help="The axis that is up in guide, viewer and GLB; found by itself if not given.",
+)
+
+
 class Positive(click.FloatRange):
     """A positive number, neither infinite nor nan."""
 

@@ -8,15 +8,16 @@ from pathlib import Path
 
 import click
 
-from geoweave.cli.options import as_json, print_json, print_table, seconds_text, status
+from geoweave.cli.options import as_json, print_json, print_table, seconds_text, status, up_option
 
 
 @click.command()
 @click.argument("folder", metavar="DIR", type=click.Path(exists=True, file_okay=False))
 @click.option("-o", "output", metavar="FILE", help="The page; viewer.html in DIR if not given.")
 @click.option("--no-open", is_flag=True, help="Do not open the page in a browser.")
+@up_option
 @as_json
-def show(folder: str, output: str | None, no_open: bool, as_json: bool) -> None:
+def show(folder: str, output: str | None, no_open: bool, up: str | None, as_json: bool) -> None:
     """Write a page that shows a weave, at rest and as designed, to be turned, looked at and changed.
 
     DIR holds the weave.json of a weave. The page needs no network. What is changed on it is saved as
@@ -25,7 +26,7 @@ def show(folder: str, output: str | None, no_open: bool, as_json: bool) -> None:
     from geoweave.pipeline import show_folder
 
     with status() as say:
-        made = show_folder(folder, output, callback=say)
+        made = show_folder(folder, output, up=up, callback=say)
     if as_json:
         print_json(made.document())
     else:

@@ -20,6 +20,7 @@ from geoweave.cli.options import (
     seconds_text,
     status,
     text_of,
+    up_option,
     weave_surface_options,
 )
 from geoweave.cli.steering_rows import aligned, mirrored, prescribed
@@ -95,6 +96,7 @@ OPTIONS = (
         help="How strips are cut: straight, as curved as the design, or such that the weave at rest lies "
         "on its surface; holding: and that friction holds more crossings (straight).",
     ),
+    up_option,
     click.option(
         "--no-relax",
         is_flag=True,
@@ -123,6 +125,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
         thickness: float | None,
         formats: str,
         strips: StripKind,
+        up: str | None,
         no_relax: bool,
         **others: Any,
     ) -> None:
@@ -157,6 +160,7 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             formats=None if given is ParameterSource.DEFAULT else names,
             relax=not no_relax,
             strips=strips,
+            up=up,
         )
         command(*arguments, request=request, **others)
 

@@ -11,6 +11,7 @@ from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.nesting import Stock
 from geoweave.fabrication.pieces import Making
 from geoweave.fabrication.sheet_sizes import paper_of
+from geoweave.fabrication.standing import check_axis
 
 __all__ = ["Bench", "media_of"]
 
@@ -29,6 +30,7 @@ class Bench:
     title : what the drawings are called
     papers : of the pages, names of `PAPERS`
     density : of the material, g/cm3
+    up : the axis of the weave that is up in the GLB and the guide; found if not given (`up_axis`)
 
     Examples
     --------
@@ -46,10 +48,13 @@ class Bench:
     title: str = "weave"
     papers: tuple[str, ...] = ("a4", "letter")
     density: float = 0.8
+    up: str | None = None
 
     def __post_init__(self) -> None:
         for name in self.papers:
             paper_of(name)
+        if self.up is not None:
+            check_axis(self.up)
         if not (math.isfinite(self.stock_length) and self.stock_length > 0):
             raise FieldError(f"the stock length must be a positive number of mm, not {self.stock_length}")
         if not (math.isfinite(self.density) and self.density > 0):

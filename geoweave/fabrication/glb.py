@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import Vectors
 from geoweave.fabrication.colours import FAMILIES
 from geoweave.fabrication.flattening import WeaveLike, weave_document
+from geoweave.fabrication.standing import up_axis
 from geoweave.files import replacing
 from geoweave.weave import SECTIONS, Body, Centreline, bodies
 
@@ -24,6 +25,19 @@ FLOAT, UNSIGNED_INT = 5126, 5125
 
 VERTEX_BUFFER, INDEX_BUFFER = 34962, 34963
 """What an array is for, as glTF 2.0 names it (Section 5.11)."""
+
+HALF = 0.5**0.5
+"""Sine and cosine of half a right angle."""
+
+UPRIGHT = {
+    "z": (-HALF, 0.0, 0.0, HALF),
+    "y": (0.0, 0.0, 0.0, 1.0),
+    "x": (0.0, 0.0, HALF, HALF),
+    "-z": (HALF, 0.0, 0.0, HALF),
+    "-y": (1.0, 0.0, 0.0, 0.0),
+    "-x": (0.0, 0.0, -HALF, HALF),
+}
+"""Rotation (x, y, z, w) that turns an axis to y, which is up in glTF."""
 
 
 class Ribbon(NamedTuple):
@@ -39,7 +53,12 @@ class Ribbon(NamedTuple):
     """(T, 3), counter-clockwise seen from outside."""
 
 
-def write_glb(path: str | PathLike[str], weave: WeaveLike, families: Sequence[str] = FAMILIES) -> None:
+def write_glb(
+    path: str | PathLike[str],
+    weave: WeaveLike,
+    families: Sequence[str] = FAMILIES,
+    up: str | None = None,
+) -> None:
     """Write the woven object as GLB, whole or not at all.
 
     Parameters
@@ -47,8 +66,9 @@ def write_glb(path: str | PathLike[str], weave: WeaveLike, families: Sequence[st
     path : of the file
     weave : a weave, or the contents of ``weave.json`` or ``relaxed.json``
     families : colour of each family, ``#rrggbb``
+    up : the axis of the weave that is up; found if not given (`up_axis`)
     """
-    data = glb_bytes(weave, families)
+    data = glb_bytes(weave, families, up)
     with replacing(path) as temporary:
         temporary.write_bytes(data)
 
@@ -107,13 +127,14 @@ def ribbon_bodies(weave: WeaveLike, step: float = SECTIONS) -> tuple[Body, ...]:
     return bodies(lines, ribbons, cut * stretch[ribbons], over, width=width, thickness=thickness, step=step)
 
 
-def glb_bytes(weave: WeaveLike, families: Sequence[str] = FAMILIES) -> bytes:
+def glb_bytes(weave: WeaveLike, families: Sequence[str] = FAMILIES, up: str | None = None) -> bytes:
     """The file: metres where the weave is in mm, y up, a material per family; same weave, same bytes.
 
     Parameters
     ----------
     weave : a weave, or the contents of ``weave.json`` or ``relaxed.json``
     families : colour of each family, ``#rrggbb``
+    up : the axis of the weave that is up; found if not given (`up_axis`)
     """
     document = weave_document(weave)
     ribbons = solid_ribbons(document)
@@ -134,8 +155,7 @@ def glb_bytes(weave: WeaveLike, families: Sequence[str] = FAMILIES) -> bytes:
         {"name": ribbon.label, "mesh": number} for number, ribbon in enumerate(ribbons)
     ]
     unit = 0.001 if document["units"] == "mm" else 1.0
-    # glTF has y up, the surfaces have z up.
-    turned = {"rotation": [-float(np.sqrt(0.5)), 0.0, 0.0, float(np.sqrt(0.5))], "scale": [unit] * 3}
+    turned = {"rotation": list(UPRIGHT[up_axis(document, up)]), "scale": [unit] * 3}
     nodes.append({"name": "weave", "children": list(range(len(ribbons))), **turned})
     content = {
         "asset": {"version": "2.0", "generator": "geoweave"},

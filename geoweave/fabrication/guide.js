@@ -177,7 +177,7 @@
     if (asked) return Number(asked[1]);
     try {
       const stored = JSON.parse(localStorage.getItem(KEY) || "{}");
-      if (space && Number.isInteger(stored.side)) { space.tip(stored.side); space.whole(); }
+      if (space && Number.isInteger(stored.side) && stored.up === content.up) { space.tip(stored.side); space.whole(); }
       return Number.isInteger(stored.step) ? stored.step : 0;
     } catch (error) {
       return 0;
@@ -186,7 +186,7 @@
 
   function remember() {
     try {
-      localStorage.setItem(KEY, JSON.stringify({ step: index, side: space ? space.side : 0 }));
+      localStorage.setItem(KEY, JSON.stringify({ step: index, side: space ? space.side : 0, up: content.up }));
       memory = "storage";
       if (location.hash.startsWith("#step-")) history.replaceState(null, "", location.pathname + location.search);
     } catch (error) {

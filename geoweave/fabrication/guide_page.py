@@ -19,6 +19,7 @@ from geoweave.fabrication.marks import MARKS, outline
 from geoweave.fabrication.page import page_of
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making
+from geoweave.fabrication.standing import AXES, up_axis
 
 __all__ = ["guide_content", "guide_html"]
 
@@ -37,6 +38,7 @@ def guide_html(
     colours: Colours | None = None,
     order: tuple[Step, ...] | None = None,
     found: tuple[str, ...] = (),
+    up: str | None = None,
 ) -> str:
     """The text of the page; same pattern and weave, same text.
 
@@ -50,6 +52,7 @@ def guide_html(
     colours : of the families
     order : of assembly
     found : for each strip where its pieces are, in words
+    up : the axis of the weave that is up; found if not given (`up_axis`)
 
     Raises
     ------
@@ -67,6 +70,7 @@ def guide_html(
         colours or Colours("paper"),
         order or assembly(pattern),
         found,
+        up_axis(document, up),
     )
     return page_of(title, "guide.html", "guide.css", SCRIPTS, content)
 
@@ -79,6 +83,7 @@ def guide_content(
     colours: Colours,
     order: tuple[Step, ...],
     found: tuple[str, ...] = (),
+    up: str = AXES[0],
 ) -> dict[str, Any]:
     """What the page knows of the weave, without text and looks."""
     bodies = shape(document, [each.label for each in pattern.strips])
@@ -87,6 +92,7 @@ def guide_content(
     return {
         "title": title,
         "key": key[:16],
+        "up": AXES.index(up),
         "width": round(float(document["width"]), 4),
         "thickness": round(float(document["thickness"]), 4),
         "overlap": making.overlap,

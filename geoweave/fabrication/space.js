@@ -67,7 +67,7 @@ class WeaveInSpace {
 
   // Begin to draw, when everything is there.
   start() {
-    this.tip(0);
+    this.tip(this.content.up || 0);
     this.whole();
     this.listen();
     const frame = () => { this.tick(); requestAnimationFrame(frame); };
@@ -202,7 +202,7 @@ class WeaveInSpace {
     };
   }
 
-  // Which way is up: the weave lies as its file says, and can be tipped over to any of six sides.
+  // Which way is up: z, y, x, -z, -y or -x. It begins with the axis that the page says, and can be tipped over.
   tip(side) {
     this.side = ((side % 6) + 6) % 6;
     const [e, f, up] = [[[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 1, 0], [0, 0, 1], [1, 0, 0]],

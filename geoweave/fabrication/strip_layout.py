@@ -282,13 +282,15 @@ class StripLayout:
 
     def _glb(self, stem: str) -> dict[str, Job]:
         space, families = self._standing("GLB"), self.bench.paper_colours.families
-        return {f"{stem}.glb": lambda path: write_glb(path, space, families)}
+        return {f"{stem}.glb": lambda path: write_glb(path, space, families, self.bench.up)}
 
     def _html(self, stem: str) -> dict[str, Job]:
         space, bench = self._standing("guide"), self.bench
         check_made(self.pattern, bench.making, bench.stock)
         making, colours, found = bench.making, bench.paper_colours, self.whereabouts
-        text = guide_html(self.pattern, space, making, bench.title, colours, self.order, found)
+        text = guide_html(
+            self.pattern, space, making, bench.title, colours, self.order, found, bench.up
+        )
         return {f"{stem}.html": _text(text)}
 
 

@@ -13,6 +13,7 @@ from geoweave.errors import FieldError
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.fabrication.page import page_of
+from geoweave.fabrication.standing import up_axis
 from geoweave.fabrication.viewer_payload import viewer_content
 
 __all__ = ["viewer_html"]
@@ -27,6 +28,7 @@ def viewer_html(
     report: Mapping[str, Any] | None = None,
     title: str = "weave",
     colours: Colours | None = None,
+    up: str | None = None,
 ) -> str:
     """The text of the page; same weave, same text.
 
@@ -37,6 +39,7 @@ def viewer_html(
     report : the contents of ``report.json``, for the hard places and the verdict
     title : of the page
     colours : of the families
+    up : the axis of the weave that is up; found if not given (`up_axis`)
 
     Raises
     ------
@@ -58,5 +61,6 @@ def viewer_html(
         raise FieldError(
             "relaxed.json has other ribbons than weave.json; weave it again with 'geoweave weave'"
         )
-    content = viewer_content(design, lies, report or {}, title, colours or Colours("paper"))
+    stands = up_axis(design, up)
+    content = viewer_content(design, lies, report or {}, title, colours or Colours("paper"), stands)
     return page_of(title, "viewer.html", "viewer.css", SCRIPTS, content)

@@ -16,6 +16,7 @@ from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.glb import ribbon_bodies
 from geoweave.fabrication.guide_payload import shape
+from geoweave.fabrication.standing import AXES
 from geoweave.weave import Body, design_key
 
 __all__ = ["sideways_bend", "viewer_content"]
@@ -30,6 +31,7 @@ def viewer_content(
     report: Mapping[str, Any],
     title: str,
     colours: Colours,
+    up: str = AXES[0],
 ) -> dict[str, Any]:
     """What the page knows of the weave.
 
@@ -40,6 +42,7 @@ def viewer_content(
     report : those of ``report.json``; may lack anything
     title : of the page
     colours : of the families
+    up : the axis that is up, one of `AXES`
 
     Raises
     ------
@@ -55,6 +58,7 @@ def viewer_content(
     return {
         "title": title,
         "key": design_key(weave),
+        "up": AXES.index(up),
         "units": weave["units"],
         "width": round(float(weave["width"]), 6),
         "thickness": round(float(weave["thickness"]), 6),

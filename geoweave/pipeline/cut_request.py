@@ -84,6 +84,8 @@ class CutRequest:
     """"engraved", "printed" or "none"."""
     title: str | None = None
     """What the drawings are called."""
+    up: str | None = None
+    """The axis that is up: x, y, z, -x, -y or -z; as the report of the weave says if not given."""
     formats: tuple[str, ...] | None = None
     """Names from `geoweave.fabrication.FORMATS`; those that the folder holds if not given."""
 
@@ -110,12 +112,13 @@ class CutRequest:
             return getattr(preset_of(self.preset), name)
         return PLAIN.get(name)
 
-    def bench(self, title: str) -> Bench:
+    def bench(self, title: str, up: str | None = None) -> Bench:
         """How the strips are made.
 
         Parameters
         ----------
         title : of the drawings, unless one was asked for
+        up : the axis that is up, unless one was asked for
         """
         from geoweave.fabrication import Bench, Making, stock_of
 
@@ -139,6 +142,7 @@ class CutRequest:
             self.title or title,
             self.setting("papers"),
             self.setting("density"),
+            self.up or up,
         )
 
     def _colours(self) -> tuple[Any, Any]:

@@ -18,6 +18,7 @@ from geoweave.files import Job, OutputError, checked_folder, printable
 from geoweave.pipeline.cut_request import CutRequest
 from geoweave.pipeline.source import Say, about, silent, timed
 from geoweave.pipeline.strips import CutStrips, strips_of
+from geoweave.pipeline.upright import said_up
 from geoweave.pipeline.weave_folder import REPORT, earlier_report, write_reported
 
 if TYPE_CHECKING:
@@ -118,7 +119,8 @@ def cut_folder(
         cut = strips_of(documents[WEAVE], documents.get(REST), wish.end)
     say("drawing the strips")
     with timed(seconds, "draw"):
-        bench = wish.bench(printable(str(before.get("title") or source.resolve().name)))
+        title = printable(str(before.get("title") or source.resolve().name))
+        bench = wish.bench(title, said_up(before))
         laid = layout_for(cut.pattern, formats, bench=bench, weave=documents[WEAVE], rest=cut.space)
         jobs = files_of(laid, formats)
     say("writing")
@@ -192,6 +194,8 @@ def _write(
         # Both were said of other strips than these.
         report.pop("verdict", None)
         report.pop("twin", None)
+    if wish.up is not None:
+        report["up"] = {"axis": laid.bench.up, "by": "request"}
     report |= {"strips": strips, "cut": {"request": wish.document(), **layout_numbers(laid)}}
     kept: tuple[str, ...] = ()
     if target.exists() and target.samefile(source):

@@ -23,6 +23,7 @@ from geoweave.pipeline.source import (
     timed,
 )
 from geoweave.pipeline.strips import CutStrips
+from geoweave.pipeline.upright import stands
 from geoweave.pipeline.verdict import DO_NOT, Verdict
 from geoweave.pipeline.weave_folder import write_weave
 
@@ -178,8 +179,9 @@ def weave_file(
             with timed(seconds, "remedies"):
                 verdict = with_remedy(verdict, made, prepared, source, request, say)
         with timed(seconds, "write"):
-            jobs, left_out = _pattern_jobs(source, request, made.weave, made.cut, cut)
-            said = _said(source, request, made.cut, verdict)
+            up = stands(prepared.mesh, source.name, request.up)
+            jobs, left_out = _pattern_jobs(source, up["axis"], request, made.weave, made.cut, cut)
+            said = _said(source, request, made.cut, verdict) | {"up": up}
             files = write_weave(made.weave, target, wanted, made.inspection, made.relaxed, jobs, said)
     seconds["total"] = sum(seconds.values())
     return WovenFiles(
@@ -252,6 +254,7 @@ def _symmetric(prepared: Prepared, axis: MirrorAxis) -> Prepared:
 
 def _pattern_jobs(
     source: MeshSource,
+    up: str,
     request: WeaveRequest,
     weave: Weave,
     strips: CutStrips | None,
@@ -262,7 +265,7 @@ def _pattern_jobs(
 
     if strips is None:
         return {}, {}
-    bench = CutRequest().bench(printable(Path(source.name).stem))
+    bench = CutRequest().bench(printable(Path(source.name).stem), up)
     try:
         return jobs_of(strips.pattern, cut, bench=bench, weave=weave, rest=strips.space), {}
     except FieldError as error:

@@ -72,6 +72,8 @@ class WeaveRequest:
     symmetric: MirrorAxis | Literal["off"] = "off"
     """"auto" makes the field its own image in the mirror plane of the surface, "x", "y" or "z" in one across
     that axis."""
+    up: str | None = None
+    """The axis that is up: x, y, z, -x, -y or -z; by the format of the mesh or its widest base if not given."""
 
     def __post_init__(self) -> None:
         """Refuse what contradicts itself."""
@@ -101,6 +103,10 @@ class WeaveRequest:
             from geoweave.weave import Steering
 
             Steering(self.singularities, symmetric=self.symmetric)
+        if self.up is not None:
+            from geoweave.fabrication import check_axis
+
+            check_axis(self.up)
         if self.phase is not None:
             from geoweave.weave import phase_of
 

@@ -11,6 +11,7 @@ from typing import Any
 from geoweave.errors import FieldError
 from geoweave.files import check_writable, printable, replacing, text_job
 from geoweave.pipeline.source import Say, silent, timed
+from geoweave.pipeline.upright import said_up
 from geoweave.pipeline.weave_folder import earlier_report, listed_files, write_reported
 from geoweave.rods import read_weave
 
@@ -50,6 +51,7 @@ def show_folder(
     folder: str | os.PathLike[str],
     output: str | os.PathLike[str] | None = None,
     *,
+    up: str | None = None,
     callback: Say | None = None,
 ) -> Shown:
     """Write one page that shows a weave, as ``geoweave show`` does.
@@ -58,12 +60,13 @@ def show_folder(
     ----------
     folder : with a ``weave.json``, and its ``relaxed.json`` and ``report.json`` if they are there
     output : path of the page; ``viewer.html`` in the folder if not given
+    up : the axis that is up, such as "y" or "-z"; as the report of the weave says if not given
     callback : called with one line of progress at a time
 
     Raises
     ------
     FieldError
-        If there is no weave.
+        If there is no weave, or no such axis.
     WeaveFileError
         If a file of it cannot be read.
     OutputError
@@ -79,13 +82,14 @@ def show_folder(
     ...     shown.path.name, shown.ribbons == len(weave.ribbons), shown.at_rest
     ('viewer.html', True, False)
     """
-    from geoweave.fabrication import viewer_html
+    from geoweave.fabrication import check_axis, viewer_html
 
     source, say = Path(folder), callback or silent
     if not (source / WEAVE).is_file():
         raise FieldError(f"{source}: holds no {WEAVE}; make one with 'geoweave weave MESH -o DIR'")
     if output is not None:
         check_writable(output)
+    asked = None if up is None else check_axis(up)
     seconds: dict[str, float] = {}
     say("reading the weave")
     with timed(seconds, "read"):
@@ -95,7 +99,7 @@ def show_folder(
     title = printable(str(report.get("title") or source.resolve().name))
     say("drawing the page")
     with timed(seconds, "draw"):
-        text = viewer_html(weave, rest, report, title)
+        text = viewer_html(weave, rest, report, title, up=asked or said_up(report))
     with timed(seconds, "write"):
         path = _written(text, source, report, output)
     seconds["total"] = sum(seconds.values())
