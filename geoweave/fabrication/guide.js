@@ -5,7 +5,7 @@
   const $ = (id) => document.getElementById(id);
   const content = JSON.parse($("content").textContent), plan = planned(content), steps = plan.steps;
   const colour = (family) => content.families[family % content.families.length];
-  let index = 0, memory = "storage", space = null, drawn = null;
+  let index = 0, memory = "storage", space = null, drawn = null, map = null;
 
   // ---- words and marks
 
@@ -140,6 +140,14 @@
     return item;
   });
   $("list").replaceChildren(...listed);
+  if (plan.zones.length > 1) {
+    plan.zones.forEach((strips, zone) => {
+      const name = document.createElement("span");
+      name.className = "zone";
+      name.textContent = `Zone ${zone + 1}`;
+      listed[plan.numberOf[strips[0]]].before(name);
+    });
+  }
 
   function progress(step) {
     const number = step.kind === "start" ? -1 : step.number;
@@ -208,6 +216,8 @@
     belts(step);
     progress(step);
     $("lens").hidden = step.kind !== "cross" || !space;
+    $("zones").hidden = step.kind === "cross" || step.kind === "done" || !map;
+    if (map) map.show(step);
     if (space) space.show(step);
     document.body.dataset.kind = step.kind;
     document.body.dataset.step = index;
@@ -250,12 +260,14 @@
     $("size").textContent = `${many(plan.strips.length, "strip")}, ${many(plan.crossings.length, "crossing")}, ` +
       `${metres.toLocaleString("en", { maximumFractionDigits: 1 })} m of strip`;
     $("legend").replaceChildren(...legend());
+    if (plan.zones.length > 1) map = new ZoneMap($("zones"), content, plan);
     try {
       space = new Space($("canvas"), content, plan);
       space.lens = () => {
         const lens = $("lens"), size = lens.clientWidth;
         return [lens.offsetLeft + lens.clientLeft, lens.offsetTop + lens.clientTop, size];
       };
+      space.aside = () => Math.max($("lens").offsetWidth, $("zones").offsetWidth);
       space.onDraw = labels;
     } catch (error) {
       $("trouble").hidden = false;
@@ -318,7 +330,15 @@
       picture.alt = "the weave";
       parts.push(picture);
     }
+    if (map) {
+      const both = make("div", ...map.views.map((view) => view.parentElement.cloneNode(true)));
+      both.className = "zones";
+      both.querySelectorAll("[data-zone]").forEach((each) => each.setAttribute("class", "all"));
+      both.querySelectorAll(".own").forEach((each) => each.classList.remove("own"));
+      parts.push(both);
+    }
     plan.order.forEach((r, number) => {
+      if (map && plan.zones[steps[plan.firstOf[r]].zone][0] === r) parts.push(make("h3", `Zone ${steps[plan.firstOf[r]].zone + 1}`));
       const step = steps[plan.firstOf[r]], strip = plan.strips[r];
       const head = make("h2", `${number + 1}. Strip `, tagOf(r), ` ${millimetres(strip.length)}${step.backbone ? ", backbone" : ""}`);
       const rows = step.met.map((each) => make("tr", make("td", "☐"), make("td", markOf(each.mark, !each.over, plan.strips[each.partner].family)),

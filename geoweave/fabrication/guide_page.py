@@ -11,7 +11,8 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from geoweave.fabrication.assembly_order import Step, assembly
+from geoweave.fabrication.assembly_order import Step
+from geoweave.fabrication.assembly_zones import zoned_assembly
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.fabrication.guide_payload import drawings, shape
@@ -23,7 +24,7 @@ from geoweave.fabrication.standing import AXES, up_axis
 
 __all__ = ["guide_content", "guide_html"]
 
-SCRIPTS = ("guide_steps.js", "space.js", "guide_strip.js", "guide_space.js", "guide.js")
+SCRIPTS = ("guide_steps.js", "space.js", "guide_strip.js", "guide_map.js", "guide_space.js", "guide.js")
 """What drives the page."""
 
 SPOKEN = {"half": "half disc"}
@@ -68,7 +69,7 @@ def guide_html(
         making or Making(),
         title,
         colours or Colours("paper"),
-        order or assembly(pattern),
+        order or zoned_assembly(pattern, document),
         found,
         up_axis(document, up),
     )
@@ -116,7 +117,7 @@ def guide_content(
         ],
         # Crossings that friction does not hold, as far as the forces at rest are known.
         "fasten": [x for x, each in enumerate(document["crossings"]) if each.get("fasten")],
-        "order": [[step.strip, int(step.backbone), list(step.crossings)] for step in order],
+        "order": [[step.strip, int(step.backbone), list(step.crossings), step.zone] for step in order],
         "drawings": drawings(pattern, making, colours),
         "shape": bodies,
         "found": list(found),

@@ -100,9 +100,8 @@ class Space extends WeaveInSpace {
   draw() {
     this.dirty = false;
     const { camera, renderer, canvas } = this, wide = canvas.clientWidth, tall = canvas.clientHeight;
-    // The main view leaves room for the second view beside it.
-    const aside = this.mark && this.lens ? 0.4 * this.lens()[2] : 0;
-    this.aim(wide, tall, aside);
+    // The main view leaves room for the second view, or the map, beside it.
+    this.aim(wide, tall, this.aside ? 0.4 * this.aside() : 0);
     this.ring.scale.setScalar(Math.max(1, 13 * this.pixel() / this.content.width));
     renderer.setViewport(0, 0, wide, tall);
     renderer.setScissorTest(false);

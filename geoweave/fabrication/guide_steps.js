@@ -17,12 +17,14 @@ function planned(content) {
   passages.forEach((each) => each.sort((one, two) => one.at - two.at || one.crossing - two.crossing));
   const steps = [{ kind: "start", number: 0 }];
   const firstOf = strips.map(() => 0), numberOf = strips.map(() => 0);
-  content.order.forEach(([strip, backbone, fixed], number) => {
+  const zones = [];
+  content.order.forEach(([strip, backbone, fixed, zone], number) => {
+    (zones[zone] = zones[zone] || []).push(strip);
     const now = new Set(fixed), last = new Map();
     // A strip that crosses itself can be woven there only when its later place is reached.
     passages[strip].forEach((each) => now.has(each.crossing) && last.set(each.crossing, each));
     const met = [...last.values()].sort((one, two) => one.at - two.at);
-    const common = { strip, number, backbone: backbone === 1, met };
+    const common = { strip, number, zone, backbone: backbone === 1, met };
     firstOf[strip] = steps.length;
     numberOf[strip] = number;
     steps.push({ kind: "take", ...common });
@@ -31,7 +33,7 @@ function planned(content) {
   });
   steps.push({ kind: "done", number: strips.length });
   const fasten = new Set(content.fasten);
-  return { strips, crossings, passages, steps, fasten, firstOf, numberOf, order: content.order.map(([strip]) => strip) };
+  return { strips, crossings, passages, steps, fasten, firstOf, numberOf, zones, order: content.order.map(([strip]) => strip) };
 }
 
 function within(degrees) {
@@ -58,6 +60,7 @@ function worded(step, plan, content) {
         [null, `${many(content.strips.length, "strip")}, ${millimetres(content.width)} wide. ` +
           "This page gives them to you one at a time, and every crossing as it comes."],
         [null, "You need something to fasten crossings with: clips, tape or glue."],
+        ...(plan.zones.length > 1 ? [[null, `It grows in ${plan.zones.length} zones, one beside the other: the map shows them.`]] : []),
       ],
     };
   }
@@ -66,12 +69,16 @@ function worded(step, plan, content) {
       [null, `${many(plan.strips.length, "strip")}, ${many(plan.crossings.length, "crossing")}.`],
     ] };
   }
-  const where = `Strip ${step.number + 1} of ${plan.strips.length}${step.backbone ? ", backbone" : ""}`;
+  const zone = plan.zones.length > 1 ? `, zone ${step.zone + 1} of ${plan.zones.length}` : "";
+  const where = `Strip ${step.number + 1} of ${plan.strips.length}${step.backbone ? ", backbone" : ""}${zone}`;
   if (step.kind === "take") {
     const later = plan.passages[step.strip].length - step.met.length;
     const partners = new Set(step.met.map((each) => each.partner));
     const facts = [[step.strip, `${millimetres(strip.length)} ${strip.closed ? "round" : "long"}, ` +
       "marked side out. Its arrow points the way you follow it."]];
+    if (plan.zones.length > 1 && plan.zones[step.zone][0] === step.strip) {
+      facts.push([null, `Here begins zone ${step.zone + 1}, of ${many(plan.zones[step.zone].length, "strip")}: see the map.`]);
+    }
     if (content.found[step.strip]) facts.push([null, `It is on ${content.found[step.strip]}.`]);
     if (step.met.length) {
       facts.push([null, `It crosses ${many(partners.size, "strip")} that ${partners.size === 1 ? "is" : "are"} ` +

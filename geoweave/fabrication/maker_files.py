@@ -141,8 +141,7 @@ def layout_for(
                 f"the {what} needs the weave itself, as a pattern has no places in space; leave '{name}' out"
             )
     stands = rest if rest is not None else weave
-    in_space = {"glb", "guide"} & set(wanted)
-    space = weave_document(stands) if stands is not None and in_space else None
+    space = None if stands is None else weave_document(stands)
     how = bench or Bench()
     return StripLayout(pattern, how, space, media_of(wanted, how.papers))
 

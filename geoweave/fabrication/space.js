@@ -42,6 +42,10 @@ void main() {
   gl_FragColor = vec4(mix(lit, ground, far), 1.0);
 }`;
 
+// For each axis that may be up (z, y, x, -z, -y, -x): to the right, away from the eye, and up.
+const SIDES = [[[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 1, 0], [0, 0, 1], [1, 0, 0]],
+  [[1, 0, 0], [0, -1, 0], [0, 0, -1]], [[1, 0, 0], [0, 0, 1], [0, -1, 0]], [[0, 1, 0], [0, 0, -1], [-1, 0, 0]]];
+
 const ACCENT = "#d8361c", GROUND = "#fbfaf7";
 
 function bytesOf(text) {
@@ -205,8 +209,7 @@ class WeaveInSpace {
   // Which way is up: z, y, x, -z, -y or -x. It begins with the axis that the page says, and can be tipped over.
   tip(side) {
     this.side = ((side % 6) + 6) % 6;
-    const [e, f, up] = [[[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 0, -1], [0, 1, 0]], [[0, 1, 0], [0, 0, 1], [1, 0, 0]],
-      [[1, 0, 0], [0, -1, 0], [0, 0, -1]], [[1, 0, 0], [0, 0, 1], [0, -1, 0]], [[0, 1, 0], [0, 0, -1], [-1, 0, 0]]][this.side];
+    const [e, f, up] = SIDES[this.side];
     this.axes = new THREE.Matrix4().makeBasis(...[e, f, up].map((axis) => new THREE.Vector3(...axis)));
     this.upward = new THREE.Vector3(...up);
   }

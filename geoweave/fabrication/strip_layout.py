@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.assembly_order import Step, assembly
+from geoweave.fabrication.assembly_order import Step
+from geoweave.fabrication.assembly_zones import assembly_numbers, zoned_assembly
 from geoweave.fabrication.bench import Bench, media_of
 from geoweave.fabrication.bent_drawings import bent
 from geoweave.fabrication.bill import Bill, bill_of
@@ -67,7 +68,12 @@ class StripLayout:
     @cached_property
     def order(self) -> tuple[Step, ...]:
         """In which order the strips are woven."""
-        return assembly(self.pattern)
+        return zoned_assembly(self.pattern, self.space)
+
+    @cached_property
+    def assembly(self) -> dict[str, Any] | None:
+        """What a report says of that order (`assembly_numbers`); None without a place in space."""
+        return None if self.space is None else assembly_numbers(self.pattern, self.order, self.space)
 
     @cached_property
     def drawings(self) -> tuple[Drawn, ...]:
@@ -118,7 +124,12 @@ class StripLayout:
             **self.pattern.document(),
             "making": vars(self.bench.making),
             "assembly": [
-                {"strip": step.strip, "backbone": step.backbone, "crossings": list(step.crossings)}
+                {
+                    "strip": step.strip,
+                    "backbone": step.backbone,
+                    "crossings": list(step.crossings),
+                    "zone": step.zone,
+                }
                 for step in self.order
             ],
         }

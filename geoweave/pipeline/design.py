@@ -180,8 +180,8 @@ def weave_file(
                 verdict = with_remedy(verdict, made, prepared, source, request, say)
         with timed(seconds, "write"):
             up = stands(prepared.mesh, source.name, request.up)
-            jobs, left_out = _pattern_jobs(source, up["axis"], request, made.weave, made.cut, cut)
-            said = _said(source, request, made.cut, verdict) | {"up": up}
+            jobs, left_out, order = _pattern_jobs(source, up["axis"], request, made.weave, made.cut, cut)
+            said = _said(source, request, made.cut, verdict) | {"up": up, **order}
             files = write_weave(made.weave, target, wanted, made.inspection, made.relaxed, jobs, said)
     seconds["total"] = sum(seconds.values())
     return WovenFiles(
@@ -259,16 +259,17 @@ def _pattern_jobs(
     weave: Weave,
     strips: CutStrips | None,
     cut: tuple[str, ...],
-) -> tuple[dict[str, Job], dict[str, str]]:
-    """What writes the files of the strips; and formats that are left out, each with the reason."""
-    from geoweave.fabrication import jobs_of
+) -> tuple[dict[str, Job], dict[str, str], dict[str, Any]]:
+    """What writes the files of the strips; formats that are left out, each with the reason; and the order."""
+    from geoweave.fabrication import files_of, layout_for
 
     if strips is None:
-        return {}, {}
+        return {}, {}, {}
     bench = CutRequest().bench(printable(Path(source.name).stem), up)
     try:
-        return jobs_of(strips.pattern, cut, bench=bench, weave=weave, rest=strips.space), {}
+        laid = layout_for(strips.pattern, cut, bench=bench, weave=weave, rest=strips.space)
+        return files_of(laid, cut), {}, {"assembly": laid.assembly}
     except FieldError as error:
         if request.formats is not None:
             raise
-        return {}, dict.fromkeys(cut, str(error))
+        return {}, dict.fromkeys(cut, str(error)), {}

@@ -15,7 +15,7 @@ from browser import PHONE, browser, opened
 from laidflat import bow_tie, circles, cone, document, flat, patterns
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.assembly_order import assembly
+from geoweave.fabrication.assembly_zones import zoned_assembly
 from geoweave.fabrication.flattening import pattern_of
 from geoweave.fabrication.guide_page import guide_html
 from geoweave.fabrication.maker_files import write
@@ -139,7 +139,7 @@ def test_steps_are_those_of_the_assembly(chromium: Any, pages: dict[str, Path], 
             "guide.plan.steps.map((s) => [s.kind, s.strip ?? -1, s.passage ? s.passage.crossing : -1,"
             " s.passage ? s.passage.over : null, s.passage ? s.passage.at : -1])"
         )
-    order = assembly(pattern)
+    order = zoned_assembly(pattern, SOURCES[name]())
     assert [each[1] for each in steps if each[0] == "take"] == [step.strip for step in order]
     laid = [each for each in steps if each[0] == "cross"]
     assert sorted(each[2] for each in laid) == list(range(len(pattern.at)))
@@ -275,7 +275,7 @@ def test_forward_back_keys_and_strips(chromium: Any, pages: dict[str, Path]) -> 
         it.page.focus("#next")
         press("Enter")
         assert index() == 1
-        it.do("guide.go(30)")
+        it.do("guide.go(guide.plan.steps.findIndex((s) => s.kind === 'cross' && s.k === 2))")
         first = it.page.inner_text("#where")
         it.page.locator("#chips button").first.click()
         assert it.page.inner_text("#where") != first
@@ -427,7 +427,7 @@ def test_all_steps_go_on_paper(chromium: Any, pages: dict[str, Path], tmp_path: 
         assert (it.do("guide.index"), it.do("guide.marked().shown")) == (12, True)
     paper = pypdfium2.PdfDocument(tmp_path / "steps.pdf")
     words = " ".join(page.get_textpage().get_text_bounded() for page in paper)
-    for number, step in enumerate(assembly(pattern), 1):
+    for number, step in enumerate(zoned_assembly(pattern, cone().document()), 1):
         assert re.search(rf"{number}\.\s+Strip\s+{pattern.strips[step.strip].label}\b", words)
     paper.close()
 
@@ -467,3 +467,29 @@ def test_a_crossing_that_friction_does_not_hold_is_to_be_glued(chromium: Any, tm
             if "Glue or rivet it" in it.page.inner_text("body"):
                 told.append(crossing)
     assert told == [1]
+
+
+def test_the_map_shows_the_zone_in_hand(chromium: Any, tmp_path: Path) -> None:
+    """Every strip is on both sides of the map once; where a strip is taken its zone stands out."""
+    woven = flat(8)
+    pattern = pattern_of(woven)
+    order = zoned_assembly(pattern, woven)
+    assert len({step.zone for step in order}) == 3
+    (tmp_path / "zones.html").write_text(guide_html(pattern, woven), encoding="utf-8")
+    for size in ((1280, 800), PHONE):
+        with opened(chromium, tmp_path / "zones.html", size) as it:
+            it.wait("guide.still()")
+            seen = it.do("[...document.querySelectorAll('#zones path')].map((p) => Number(p.dataset.strip))")
+            assert sorted(seen) == sorted(2 * list(range(len(pattern.strips))))
+            space, shown = (it.page.locator(each).bounding_box() for each in ("#space", "#zones"))
+            assert shown["y"] + shown["height"] <= space["y"] + space["height"]
+            assert it.page.locator("#zones svg").first.bounding_box()["height"] > 40
+            for step in (order[0], order[12], order[-1]):
+                it.do(f"guide.go(guide.plan.firstOf[{step.strip}])")
+                now = it.do("[...document.querySelectorAll('#zones g.now')].map((g) => Number(g.dataset.zone))")
+                own = it.do("[...document.querySelectorAll('#zones .own')].map((p) => Number(p.dataset.strip))")
+                assert (now, own) == (2 * [step.zone], 2 * [step.strip])
+                assert f"zone {step.zone + 1} of 3" in it.page.inner_text("#where")
+            it.do("guide.go(1e9)")
+            assert it.page.is_hidden("#zones")
+            assert it.errors == []
