@@ -81,7 +81,8 @@ def assembly(pattern: Pattern, places: Vectors | None = None) -> tuple[Step, ...
             backbone = False
         chosen = state.nearest(among) if len(touching) else state.first(among)
         state.lay(chosen)
-        fixed = dict.fromkeys(each.crossing for each in pattern.passages[chosen] if state.placed[each.partner])
+        met = pattern.passages[chosen]
+        fixed = dict.fromkeys(each.crossing for each in met if state.placed[each.partner])
         state.hands(list(fixed))
         steps.append(Step(chosen, backbone, tuple(fixed)))
     return tuple(steps)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from geoweave.arrays import Scalars, Vectors
+from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.errors import FieldError
 from geoweave.fabrication.assembly_order import Step, assembly
 from geoweave.fabrication.pattern import Pattern
@@ -107,7 +107,9 @@ def assembly_numbers(pattern: Pattern, steps: Sequence[Step], document: Mapping[
     places = crossing_places(document)
     work = work_places(steps, places)[[bool(step.crossings) for step in steps]]
     far: Scalars = np.linalg.norm(np.diff(work, axis=0), axis=1)
-    closed = [step for step in steps if pattern.strips[step.strip].closed and not pattern.strips[step.strip].hoop]
+    closed = [
+        step for step in steps if pattern.strips[step.strip].closed and not pattern.strips[step.strip].hoop
+    ]
     late = [step for step in closed if len(step.crossings) > 0.75 * len(pattern.passages[step.strip])]
     return {
         "zones": len({step.zone for step in steps}),
@@ -130,7 +132,7 @@ def _runs(points: Vectors, count: int) -> list[int]:
         return square[end] - square[first] - (there**2).sum(axis=-1) / (end - first)
 
     best = np.array([0.0] + [cost(0, end) for end in range(1, size + 1)])
-    cuts = []
+    cuts: list[Indices] = []
     for _ in range(1, count):
         found, cut = np.full(size + 1, np.inf), np.zeros(size + 1, dtype=np.int64)
         for end in range(2, size + 1):

@@ -299,9 +299,7 @@ class StripLayout:
         space, bench = self._standing("guide"), self.bench
         check_made(self.pattern, bench.making, bench.stock)
         making, colours, found = bench.making, bench.paper_colours, self.whereabouts
-        text = guide_html(
-            self.pattern, space, making, bench.title, colours, self.order, found, bench.up
-        )
+        text = guide_html(self.pattern, space, making, bench.title, colours, self.order, found, bench.up)
         return {f"{stem}.html": _text(text)}
 
 

@@ -486,8 +486,12 @@ def test_the_map_shows_the_zone_in_hand(chromium: Any, tmp_path: Path) -> None:
             assert it.page.locator("#zones svg").first.bounding_box()["height"] > 40
             for step in (order[0], order[12], order[-1]):
                 it.do(f"guide.go(guide.plan.firstOf[{step.strip}])")
-                now = it.do("[...document.querySelectorAll('#zones g.now')].map((g) => Number(g.dataset.zone))")
-                own = it.do("[...document.querySelectorAll('#zones .own')].map((p) => Number(p.dataset.strip))")
+                now = it.do(
+                    "[...document.querySelectorAll('#zones g.now')].map((g) => Number(g.dataset.zone))"
+                )
+                own = it.do(
+                    "[...document.querySelectorAll('#zones .own')].map((p) => Number(p.dataset.strip))"
+                )
                 assert (now, own) == (2 * [step.zone], 2 * [step.strip])
                 assert f"zone {step.zone + 1} of 3" in it.page.inner_text("#where")
             it.do("guide.go(1e9)")
