@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from laidflat import bow_tie, circles, cone, crossing, document, flat, ribbon
@@ -96,7 +98,7 @@ def test_the_distance_is_that_between_the_means_of_the_crossings() -> None:
     pattern, places = pattern_of(woven), crossing_places(woven)
     steps = zoned_assembly(pattern, woven)
     means = [places[list(step.crossings)].mean(axis=0) for step in steps if step.crossings]
-    far = [float(np.linalg.norm(b - a)) for a, b in zip(means[:-1], means[1:], strict=True)]
+    far = [float(np.linalg.norm(b - a)) for a, b in itertools.pairwise(means)]
     numbers = assembly_numbers(pattern, steps, woven)
     assert numbers["mean_step"] == pytest.approx(np.mean(far), abs=0.01)
     assert numbers["longest_step"] == pytest.approx(max(far), abs=0.01)
