@@ -90,9 +90,9 @@ class Figure(NamedTuple):
 
     def moved(self, x: float, y: float) -> Figure:
         """The same figure elsewhere."""
-        spot = self.spot
+        spot, shift = self.spot, np.array([x, y])
         return self._replace(
-            paths=tuple(path + [x, y] for path in self.paths),
+            paths=tuple(path + shift for path in self.paths),
             spot=None if spot is None else spot._replace(x=spot.x + x, y=spot.y + y),
         )
 

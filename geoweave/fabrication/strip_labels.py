@@ -6,7 +6,7 @@ the key: the mark alone is on the strip then, and the key says whose it is.
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
 from geoweave.fabrication.pattern import Passage
 from geoweave.fabrication.strip_canvas import StripCanvas, text_room, turned_room
@@ -43,18 +43,21 @@ def _sought(canvas: StripCanvas, text: str, x: float, way: float) -> bool:
     step = 0.1 * canvas.width
     reach = min(0.5 * canvas.length, REACH[0] * canvas.width + REACH[1])
     sizes = [(height, text_room(text, height)) for height in canvas.heights]
-    for k in range(int(reach / step)):
-        for height, box in sizes:
-            aside = canvas.inside - box.top
-            first = min(max(x, canvas.pad + box.right), canvas.length - canvas.pad - box.right)
-            for y in (0.0, aside, -aside) if aside >= 0 else ():
-                spot = box.moved(first + way * k * step, y)
-                if canvas.board.free(spot):
-                    canvas.take(spot)
-                    place = Spot(first + way * k * step, y, height)
-                    canvas.write("name", text, place, canvas.strip.family)
-                    return True
-    return False
+    found: tuple[int, Box, Spot] | None = None
+    for height, box in sizes:
+        aside = canvas.inside - box.top
+        first = min(max(x, canvas.pad + box.right), canvas.length - canvas.pad - box.right)
+        for y in (0.0, aside, -aside) if aside >= 0 else ():
+            most = int(reach / step) if found is None else found[0]
+            k = canvas.board.first_free(box, y, first, way * step, most)
+            if k is not None:
+                there = first + way * k * step
+                found = k, box.moved(there, y), Spot(there, y, height)
+    if found is None:
+        return False
+    canvas.take(found[1])
+    canvas.write("name", text, found[2], canvas.strip.family)
+    return True
 
 
 def write_labels(canvas: StripCanvas, placed: list[Placed | None]) -> None:
@@ -107,4 +110,4 @@ def _places(canvas: StripCanvas, spot: Placed, box: Box) -> list[tuple[float, fl
 def _distance(one: Box, other: Box) -> float:
     """Between two boxes, 0 where they touch."""
     across = max(one.left - other.right, other.left - one.right, 0.0)
-    return float(np.hypot(across, max(one.bottom - other.top, other.bottom - one.top, 0.0)))
+    return math.hypot(across, max(one.bottom - other.top, other.bottom - one.top, 0.0))

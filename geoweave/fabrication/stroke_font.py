@@ -6,6 +6,7 @@ is that of its points, the same in every file. Letters are one line wide, capita
 
 from __future__ import annotations
 
+import math
 from functools import cache, lru_cache
 from typing import NamedTuple
 
@@ -244,15 +245,36 @@ class Board:
 
     def free(self, box: Box) -> bool:
         """Whether a box lies between left and right and keeps its distance from all that is there."""
-        if box.left < self.left or box.right > self.right:
-            return False
+        return self.left <= box.left and box.right <= self.right and self._blocker(box) is None
+
+    def first_free(self, box: Box, y: float, start: float, step: float, count: int) -> int | None:
+        """The least k below a number for which a box at ``start + k step`` and ``y`` is free, or None.
+
+        Steps lead to the right or, if they are negative, to the left. What is in the way is leapt over.
+        """
+        k = 0
+        while k < count:
+            there = box.moved(start + k * step, y)
+            if (there.right > self.right) if step > 0 else (there.left < self.left):
+                return None
+            other = self._blocker(there)
+            if other is None and self.left <= there.left and there.right <= self.right:
+                return k
+            k += 1
+            if other is not None:
+                beyond = other.right + self.pad - box.left if step > 0 else other.left - self.pad - box.right
+                k = max(k, math.floor((beyond - start) / step - 1e-6))
+        return None
+
+    def _blocker(self, box: Box) -> Box | None:
+        """A box that is there and nearer than it may be, None if there is none."""
         left, bottom, right, top = box.grown(self.pad)
         # Boxes that overlap share a column, so no others need to be checked.
         for column in range(int(left // COLUMN), int(right // COLUMN) + 1):
             for other in self._columns.get(column, ()):
                 if other[0] < right and left < other[2] and other[1] < top and bottom < other[3]:
-                    return False
-        return True
+                    return other
+        return None
 
     def take(self, box: Box) -> None:
         """Put a box down."""

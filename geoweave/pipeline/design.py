@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from geoweave.errors import FieldError
 from geoweave.files import checked_folder, printable
-from geoweave.pipeline.attempt import attempted, with_remedy
+from geoweave.pipeline.attempt import Attempt, attempted, with_remedy
 from geoweave.pipeline.cut_request import CutRequest
 from geoweave.pipeline.made_from import made_from
 from geoweave.pipeline.request import WeaveRequest, formats_of
@@ -174,13 +174,12 @@ def weave_file(
         prepared = _even_surface(source, request, seconds, say)
         _check_surface(prepared, design)
         made = attempted(prepared, source.seed, request, bool(cut), seconds, say, design)
-        verdict = made.verdict
-        if verdict is not None and verdict.word == DO_NOT:
+        if (verdict := made.verdict) is not None and verdict.word == DO_NOT:
             with timed(seconds, "remedies"):
                 verdict = with_remedy(verdict, made, prepared, source, request, say)
         with timed(seconds, "write"):
             up = stands(prepared.mesh, source.name, request.up)
-            jobs, left_out, order = _pattern_jobs(source, up["axis"], request, made.weave, made.cut, cut)
+            jobs, left_out, order = _pattern_jobs(source, up["axis"], request, made, cut)
             said = _said(source, request, made.cut, verdict) | {"up": up, **order}
             files = write_weave(made.weave, target, wanted, made.inspection, made.relaxed, jobs, said)
     seconds["total"] = sum(seconds.values())
@@ -256,18 +255,17 @@ def _pattern_jobs(
     source: MeshSource,
     up: str,
     request: WeaveRequest,
-    weave: Weave,
-    strips: CutStrips | None,
+    made: Attempt,
     cut: tuple[str, ...],
 ) -> tuple[dict[str, Job], dict[str, str], dict[str, Any]]:
     """What writes the files of the strips; formats that are left out, each with the reason; and the order."""
     from geoweave.fabrication import files_of, layout_for
 
-    if strips is None:
+    if (strips := made.cut) is None:
         return {}, {}, {}
     bench = CutRequest().bench(printable(Path(source.name).stem), up)
     try:
-        laid = layout_for(strips.pattern, cut, bench=bench, weave=weave, rest=strips.space)
+        laid = layout_for(strips.pattern, cut, bench=bench, weave=made.weave, rest=strips.space)
         return files_of(laid, cut), {}, {"assembly": laid.assembly}
     except FieldError as error:
         if request.formats is not None:

@@ -350,7 +350,7 @@ def test_the_same_files_as_weave_writes(tmp_path: Path, capfd: pytest.CaptureFix
     formats = ("pattern", "csv", "svg", "pdf")
     strips = strips_of(cone(), None)
     bench: Bench = CutRequest().bench("woven")
-    write_weave(cone(), tmp_path / "woven", more=jobs_of(strips.pattern, formats, bench=bench))
+    write_weave(cone(), tmp_path / "woven", more=jobs_of(strips.pattern, formats, bench=bench, weave=cone()))
     before = {path.name: path.read_bytes() for path in (tmp_path / "woven").iterdir()}
     assert main.main(["cut", str(tmp_path / "woven")]) == 0
     out = capfd.readouterr().out

@@ -81,3 +81,20 @@ def test_free_boxes_meet_nothing() -> None:
             put.append(box)
     assert len(put) > 64
     assert not any(boxes_overlap(one, other) for one, other in combinations(put, 2))
+
+
+def test_the_first_free_place_is_that_of_a_walk_step_by_step() -> None:
+    """Leaping over what is in the way finds what trying every step finds, to the right and to the left."""
+    random = np.random.default_rng(5)
+    found = []
+    for _ in range(60):
+        board = Board(0.0, 100.0, 0.5)
+        for x in random.uniform(5, 95, 9):
+            board.take(Box(x - 3.0, -1.0, x + 3.0, 1.0).moved(0.0, float(random.uniform(-2, 2))))
+        box, start = Box(-4.0, -1.0, 4.0, 1.0), float(random.uniform(0, 100))
+        for step in (0.3, -0.3, 7.0):
+            walk = (k for k in range(150) if board.free(box.moved(start + k * step, 0.5)))
+            found.append(next(walk, None))
+            assert board.first_free(box, 0.5, start, step, 150) == found[-1]
+    assert None in found
+    assert len(set(found)) > 20
