@@ -67,6 +67,8 @@ def parallel_transport(before: Vectors, after: Vectors, vectors: Vectors) -> Vec
     -------
     (N, 3) turned vectors. Where t and t' are opposite no rotation is smallest, and the result is ``-v``.
 
+    Examples
+    --------
     >>> from geoweave.arrays import parallel_transport
     >>> east, north = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
     >>> parallel_transport(east, north, np.array([[1.0, 2.0, 3.0]]))

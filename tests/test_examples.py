@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import importlib
 import inspect
@@ -59,3 +60,13 @@ def test_every_function_that_a_reader_meets_shows_its_use(module: ModuleType) ->
     assert functions
     without = sorted(name for name, each in functions.items() if ">>> " not in (inspect.getdoc(each) or ""))
     assert not without
+
+
+@pytest.mark.parametrize("path", WITH_EXAMPLES, ids=lambda path: path.relative_to(PACKAGE).as_posix())
+def test_examples_stand_under_their_heading(path: Path) -> None:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    kinds = ast.Module | ast.ClassDef | ast.FunctionDef
+    texts = [ast.get_docstring(node) or "" for node in ast.walk(tree) if isinstance(node, kinds)]
+    # Without a heading, examples are read as part of the section before them.
+    divided = [text for text in texts if ">>> " in text and "\n----" in text]
+    assert not [text for text in divided if "\nExamples\n--------\n" not in text]

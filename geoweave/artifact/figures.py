@@ -59,21 +59,29 @@ TIMES = ("<!-- times: written by make report -->", "<!-- end of times -->")
 __all__ = [
     "Result",
     "digest",
+    "digests",
     "main",
     "records",
     "refresh",
     "report",
     "report_claims",
     "run",
-    "stored_notebook",
+    "stored_notebooks",
 ]
 
 
-def digest(root: Path, name: str, profile: str) -> str:
+def digests(root: Path, names: Sequence[str], profile: str) -> dict[str, str]:
+    """`digest` of many notebooks; the package is read once."""
+    package = _package_digest(root / "geoweave")
+    return {name: digest(root, name, profile, package) for name in names}
+
+
+def digest(root: Path, name: str, profile: str, package: bytes | None = None) -> str:
     """Digest of everything a notebook's result depends on.
 
     These are its cells without outputs, the parameters of the profile, the package's source and data, the
-    pinned and the installed versions, Python, the platform, and the named meshes that are available.
+    pinned and the installed versions, Python, the platform, and the named meshes that are available. The
+    digest of the package can be given, if it is known already.
     """
     notebook = notebooks.read(notebooks.path_of(root, name))
     lock = root / "requirements.lock"
@@ -89,14 +97,20 @@ def digest(root: Path, name: str, profile: str) -> str:
         "data": {} if profile == "default" else doctor.data_states(),
     }
     total = hashlib.sha256(json.dumps(facts, sort_keys=True).encode())
-    package = root / "geoweave"
+    total.update(_package_digest(root / "geoweave") if package is None else package)
+    return total.hexdigest()
+
+
+def _package_digest(package: Path) -> bytes:
+    """Digest of the source and data of a package that notebooks import."""
+    total = hashlib.sha256()
     for path in sorted(package.rglob("*")):
         place = path.relative_to(package)
         within = {place.as_posix(), *(folder.as_posix() for folder in place.parents)}
         if path.is_file() and "__pycache__" not in place.parts and not within & UNRELATED:
             total.update(place.as_posix().encode() + b"\0")
             total.update(hashlib.sha256(path.read_bytes()).digest())
-    return total.hexdigest()
+    return total.digest()
 
 
 def run(
@@ -127,7 +141,7 @@ def run(
     """
     root = repository() if root is None else root.resolve()
     chosen = list(dict.fromkeys(names)) or notebooks.names(root)
-    keys = {name: digest(root, name, profile) for name in chosen}
+    keys = digests(root, chosen, profile)
     _drop_leftovers(root)
     children = Children()
     order = notebooks.in_turn(chosen, notebooks.times(root), profile, jobs)
@@ -270,11 +284,14 @@ def _stored(root: Path, name: str, profile: str, key: str) -> Result | None:
     return result if made_from == key and whole else None
 
 
-def stored_notebook(root: Path, name: str, profile: str) -> Path | None:
-    """The executed notebook in ``build/``, if it was executed from all that there is now; else None."""
-    result = _stored(root, name, profile, digest(root, name, profile))
-    executed = _folder(root, name, profile) / "executed.ipynb"
-    return executed if result is not None and executed.is_file() else None
+def stored_notebooks(root: Path, names: Sequence[str], profile: str) -> dict[str, Path]:
+    """The executed notebooks in ``build/`` that were executed from all that there is now."""
+    found = {}
+    for name, key in digests(root, names, profile).items():
+        executed = _folder(root, name, profile) / "executed.ipynb"
+        if _stored(root, name, profile, key) is not None and executed.is_file():
+            found[name] = executed
+    return found
 
 
 def _drop_leftovers(root: Path) -> None:

@@ -20,26 +20,14 @@ from geoweave.checkout import repository
 CHECKED = "nbval-check-output"
 """The tag of cells whose outputs are compared."""
 
-__all__ = ["differences", "main", "stale"]
+__all__ = ["differences", "main"]
 
 
-def stale(root: Path) -> list[str]:
-    """Names of notebooks without an execution in ``build/`` that is like one of now."""
-    names = notebooks.names(root)
-    return [name for name in names if figures.stored_notebook(root, name, "default") is None]
+def differences(root: Path, name: str, stored: Path) -> list[str]:
+    """Sentences on checked cells of a notebook that gave something else in a stored execution of it.
 
-
-def differences(root: Path, name: str) -> list[str]:
-    """Sentences on checked cells whose stored outputs are not the committed ones, pictures left out.
-
-    Raises
-    ------
-    NotebookError
-        if the notebook has no execution that counts (`stale`).
+    Pictures are left out.
     """
-    stored = figures.stored_notebook(root, name, "default")
-    if stored is None:
-        raise notebooks.NotebookError(f"{name}: not executed as it is now; run 'make figures'")
     committed = notebooks.read(notebooks.path_of(root, name))
     executed = notebooks.settled(committed, notebooks.read(stored))
     found = []
@@ -66,12 +54,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Print the paths of the notebooks that nbval has to execute; status 1 if one of the others differs."""
     argparse.ArgumentParser(prog="python -m geoweave.artifact.replay").parse_args(arguments)
     root = repository()
-    again = stale(root)
-    others = [name for name in notebooks.names(root) if name not in again]
-    wrong = [sentence for name in others for sentence in differences(root, name)]
-    if others:
+    names = notebooks.names(root)
+    stored = figures.stored_notebooks(root, names, "default")
+    again = [name for name in names if name not in stored]
+    wrong = [sentence for name, path in stored.items() for sentence in differences(root, name, path)]
+    if stored:
         print(
-            f"{len(others)} notebooks were executed as they are now; what they gave is compared",
+            f"{len(stored)} notebooks were executed as they are now; what they gave is compared",
             file=sys.stderr,
         )
     for sentence in wrong:

@@ -122,7 +122,6 @@ def weave_file(
     request: WeaveRequest | None = None,
     *,
     design: Weave | None = None,
-    keep_design: bool = False,
     callback: Say | None = None,
 ) -> WovenFiles:
     """Read a mesh, weave it, relax the weave, and write files to make it by, as ``geoweave weave`` does.
@@ -133,7 +132,6 @@ def weave_file(
     folder : for the files; it is made if it is not there, in a folder that is
     request : what the weave is to be like and what is written; all as by default if not given
     design : the weave itself, if it was designed before on this mesh; then only what follows is done
-    keep_design : whether to write ``design.npz`` too
     callback : called with one line of progress at a time
 
     Returns
@@ -167,8 +165,7 @@ def weave_file(
     """
     source, request, say = source_of(mesh), request or WeaveRequest(), callback or silent
     target = checked_folder(folder)
-    asked = (*request.formats_wanted, "design") if keep_design else request.formats_wanted
-    cut, wanted = formats_of(asked, request.size)
+    cut, wanted = formats_of(request.formats_wanted, request.size)
     seconds: dict[str, float] = {}
     with about(source.name):
         prepared = _even_surface(source, request, seconds, say)

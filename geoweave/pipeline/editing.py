@@ -123,13 +123,14 @@ def edit_folder(
             f"{source}' and edit there"
         )
     surface, request = read_made_from(before, str(source), mesh)
-    request = replace(request, edits=(*request.edits, changes))
+    # The design is kept, so that the next change needs none.
+    formats = tuple(dict.fromkeys((*request.formats_wanted, "design")))
+    request = replace(request, formats=formats, edits=(*request.edits, changes))
     design = None
     if not changes.steers and (source / DESIGN_FILE).is_file():
         design = edited(read_design(source / DESIGN_FILE), changes)
     target = source if output is None else output
-    # The design is kept, so that the next change needs none.
-    made = weave_file(surface, target, request, design=design, keep_design=True, callback=callback)
+    made = weave_file(surface, target, request, design=design, callback=callback)
     after = earlier_report(made.files["report.json"].parent)
     return EditedFiles(source, changes, made, before, after)
 

@@ -56,6 +56,7 @@ class Rigidity:
     worst : the two ribbons of that crossing
     height : of the object, mm
     friction : coefficient at which nine tenths of the crossings hold, None if none does
+    fasten : how many crossings the friction of the material does not hold
     linear : whether both answers are small against the height
     """
 
@@ -68,6 +69,7 @@ class Rigidity:
     worst: tuple[str, str]
     height: float
     friction: float | None
+    fasten: int
     linear: bool
 
     def document(self) -> dict[str, Any]:
@@ -100,6 +102,8 @@ def rigidity(
         If the weave is not in mm, the material is thicker than its ribbons are wide, or it does not come to
         rest.
 
+    Examples
+    --------
     >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8).sized(size=100.0))
     >>> thick, thin = (gw.pipeline.rigidity(rest, each) for each in ("birch veneer", "vellum"))
     >>> thick.own_weight < thin.own_weight
@@ -144,6 +148,7 @@ def rigidity(
         (weave.names[int(pair[0])], weave.names[int(pair[1])]),
         height,
         needed if np.isfinite(needed) else None,
+        len(forces.fasten(sheet.friction)),
         bool(max(own, under) <= SMALL * height),
     )
 

@@ -121,6 +121,8 @@ def order_changes(design: Rods, rods: Rods) -> Changes:
     RodError
         If the two have other contacts.
 
+    Examples
+    --------
     >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
     >>> rest = gw.relaxed_weave(weave)
     >>> bool(gw.rods.order_changes(rest.designed, rest.left.rods))

@@ -163,6 +163,8 @@ def contact_forces(rods: Rods, springs: Springs | None = None) -> ContactForces:
     ContactForces
         Forces in the unit of the rods: that of Young's modulus times length squared.
 
+    Examples
+    --------
     >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8))
     >>> forces = gw.rods.contact_forces(rest.left.rods)
     >>> bool(len(forces.fasten(0.2)) >= len(forces.fasten(0.6)))

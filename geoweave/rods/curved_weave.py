@@ -60,6 +60,8 @@ def curved(
     RodError
         If there is no such kind of strips.
 
+    Examples
+    --------
     >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)))
     >>> near, far = gw.relax(gw.rods.curved(slid, "designed")), gw.relax(slid)
     >>> near.departure.to_surface.mean < far.departure.to_surface.mean

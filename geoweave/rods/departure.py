@@ -90,6 +90,8 @@ def rigid_fit(points: Vectors, targets: Vectors, weights: Scalars) -> tuple[Vect
     -------
     (3, 3) rotation, never a reflection, and (3,) shift; apply as ``points @ R.T + t``.
 
+    Examples
+    --------
     >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
     >>> rotation, shift = gw.rods.rigid_fit(square, square + 2.0, np.ones(4))
     >>> np.round(shift, 9).tolist()

@@ -320,6 +320,8 @@ def energy_density(rods: Rods) -> dict[str, Scalars]:
     -------
     For "stretching", "normal curvature", "geodesic curvature" and "twist", (S,) force.
 
+    Examples
+    --------
     >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
     >>> density = gw.rods.energy_density(rods)
     >>> bool(density["geodesic curvature"].mean() > density["normal curvature"].mean())

@@ -62,6 +62,8 @@ class Equilibrium:
     steps : every state from the start to the end
     ending : why the iteration ended, in words
 
+    Examples
+    --------
     >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
     >>> found = gw.rods.relax_rods(rods)
     >>> found.converged, found.ending

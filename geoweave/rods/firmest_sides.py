@@ -36,6 +36,8 @@ def firmest(rods: Rods, *, springs: Springs | None = None, friction: float = FRI
     Equilibrium
         The weave at rest with the sides that were kept; they are those of its contacts.
 
+    Examples
+    --------
     >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
     >>> start, best = gw.rods.relax_rods(rods), gw.rods.firmest(rods)
     >>> len(gw.rods.contact_forces(best.rods).fasten()) <= len(gw.rods.contact_forces(start.rods).fasten())

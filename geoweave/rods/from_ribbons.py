@@ -70,6 +70,8 @@ def rods_of_ribbons(
     RodError
         If a number is out of range, or a ribbon is too short for a segment.
 
+    Examples
+    --------
     >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
     >>> rods = gw.rods.rods_of_ribbons(weave.ribbons, weave.interlacing.over, 0.05, 0.002)
     >>> bool(abs(rods.lengths - rods.rest).max() < 1e-12)
@@ -166,6 +168,8 @@ def rods_of_file(
     RodError
         If there is no rod, a rod is nothing but coinciding vertices, or the sides are not zeros and ones.
 
+    Examples
+    --------
     >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
     >>> len(gw.rods.rods_of_file(gw.rods.file_of_rods(rods))) == len(rods)
     True

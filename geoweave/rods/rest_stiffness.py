@@ -60,6 +60,8 @@ class RestStiffness:
     RodError
         If a shape is not stable: a motion that is not rigid meets no resistance, or less than none.
 
+    Examples
+    --------
     >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8))
     >>> stiff = gw.rods.RestStiffness(rest.left.rods)
     >>> bool(stiff.softest(2).stiffness[0] > 0)
@@ -177,6 +179,8 @@ def standing(points: Vectors, up: Vectors) -> Flags:
     points : (V, 3) of the rods
     up : (3,) direction against gravity
 
+    Examples
+    --------
     >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]])
     >>> gw.rods.standing(square, np.array([0.0, 0, 1])).tolist()
     [True, True, True, True, False]

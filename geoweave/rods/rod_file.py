@@ -234,6 +234,8 @@ def read_rods(path: str | PathLike[str]) -> RodFile:
         If it cannot be read or holds anything that `Rod` or `RodFile` refuses, words that are no numbers or
         too few of them; the sentence names the file, the line and the remedy.
 
+    Examples
+    --------
     >>> gw.rods.read_rods("no such.rod")
     Traceback (most recent call last):
     ...

@@ -47,6 +47,8 @@ class Material:
     RodError
         If a number is out of range.
 
+    Examples
+    --------
     >>> card = gw.rods.Material(thickness=0.1, young=12.0)
     >>> round(float(card.bending(2.0)), 6), round(float(card.edgewise(2.0)), 6)
     (0.002, 0.8)
@@ -104,6 +106,8 @@ class Layout:
     RodError
         If a rod has fewer than two vertices, or three when closed.
 
+    Examples
+    --------
     >>> layout = gw.rods.Layout(np.array([0, 3, 6]), np.array([False, True]))
     >>> layout.segments, layout.ends[-1].tolist()
     (5, [5, 3])
@@ -179,6 +183,8 @@ class Contacts:
     group : (X,) contact that stands for each crossing the rods were made with, -1 for none; if not given,
         each contact stands for one
 
+    Examples
+    --------
     >>> met = gw.rods.Contacts(segments=[[0, 5]], places=[[0.5, 0.0]], over=[1])
     >>> len(met), met.group.tolist()
     (1, [0])
@@ -230,6 +236,8 @@ class Rods:
         If shapes do not fit, a number is not finite, a segment has no length or is folded back on the one
         before it, a ribbon is not as wide as it is thick, or a contact names a place that is not there.
 
+    Examples
+    --------
     >>> layout = gw.rods.Layout(np.array([0, 3]), np.array([False]))
     >>> points, up = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]]), np.array([[0.0, 0, 1]] * 2)
     >>> none = gw.rods.Contacts([], [], [])
@@ -304,8 +312,6 @@ class Rods:
         """Number of unknowns, 3 V + S: the vertices, then an angle for each segment."""
         return 3 * self.layout.vertices + self.layout.segments
 
-    # -- geometry ---------------------------------------------------------------------------------------
-
     @cached_property
     def lengths(self) -> Scalars:
         """(S,) length of each segment."""
@@ -350,8 +356,6 @@ class Rods:
         """(J,) mean width at each joint."""
         a, b = self.layout.joints.T
         return frozen(0.5 * (self.widths[a] + self.widths[b]))
-
-    # -- change -----------------------------------------------------------------------------------------
 
     def stepped(self, step: Scalars) -> Rods:
         """Move by a step in all unknowns: directors are parallel-transported, then turned.

@@ -30,6 +30,8 @@ class ElasticWeave:
     weave : as designed
     rods : its ribbons, in the unit of the weave's mesh
 
+    Examples
+    --------
     >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
     >>> made = gw.elastic_rods(woven)
     >>> len(made.rods) == len(made.weave.names)
@@ -56,6 +58,8 @@ class SlidWeave:
     curving : how they were chosen, if they were (`optimal_strips`)
     curving_seconds : wall-clock seconds of that
 
+    Examples
+    --------
     >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)))
     >>> slid.slid.energies["geodesic curvature"] < slid.slid.steps[0].energies["geodesic curvature"]
     True
@@ -99,6 +103,8 @@ def elastic_rods(weave: Weave, *, width: float | None = None, thickness: float |
     FieldError
         If a number is not positive.
 
+    Examples
+    --------
     >>> woven = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)
     >>> made = gw.elastic_rods(woven, width=0.06, thickness=0.003)
     >>> bool(abs(made.rods.widths * woven.placement.scale - 0.06).max() < 1e-12)
@@ -146,6 +152,8 @@ def slide(
     RodError
         If the surface lies elsewhere than the weave, or a parameter is out of range.
 
+    Examples
+    --------
     >>> surface = gw.shapes.cone(faces=400)
     >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)), surface)
     >>> slid.slid.converged

@@ -39,6 +39,8 @@ class Springs:
     RodError
         If a stiffness is not positive.
 
+    Examples
+    --------
     >>> gw.rods.Springs(position=1e4).tangential
     1.0
     """
@@ -121,6 +123,8 @@ def slide_rods(
     RodError
         If a parameter is out of range.
 
+    Examples
+    --------
     >>> surface = gw.shapes.cone(faces=400).normalized()[0]
     >>> rods = gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)).rods
     >>> gw.rods.slide_rods(rods, surface).converged
@@ -265,6 +269,8 @@ def relax_rods(
     RodError
         If there is gravity but nothing fixed: the constraint on the centre of mass would balance it.
 
+    Examples
+    --------
     >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
     >>> gw.rods.relax_rods(rods).energies["geodesic curvature"] < 1.0
     True

@@ -42,6 +42,8 @@ class Stepping:
     FieldError
         If a number is not positive.
 
+    Examples
+    --------
     >>> gw.rods.Stepping(most_steps=100).tolerance
     1e-06
     """

@@ -20,7 +20,7 @@ from geoweave.rods import hessian
 from geoweave.rods.curvature_knots import STRAIN, Knots
 from geoweave.rods.distance_at_rest import DistanceAtRest, Miss
 from geoweave.rods.equilibrium import Equilibrium, minimized
-from geoweave.rods.holding_at_rest import HoldingAtRest
+from geoweave.rods.holding_at_rest import HoldingAtRest, Lack
 from geoweave.rods.rest_sensitivity import RestSensitivity
 from geoweave.rods.rods import Rods
 from geoweave.rods.slide_and_relax import Springs, relax_rods, relaxing_terms
@@ -51,6 +51,8 @@ class Fitting:
     FieldError
         If a number is not positive, or the edges of strips could cross.
 
+    Examples
+    --------
     >>> gw.rods.Fitting(sharpest=2.5)
     Traceback (most recent call last):
     geoweave.errors.FieldError: 'sharpest' is 2.5; from 2 on the edges of a strip cross
@@ -146,6 +148,16 @@ LOOKS = 8
 """Trials that are relaxed anew at the end, the last first, until one comes to rest where it was followed."""
 
 
+class _Target(NamedTuple):
+    """What is lowered, at a shape at rest."""
+
+    miss: Miss
+    lack: Lack | None
+    """What crossings lack to hold by friction; None if that is not part of it."""
+    value: float
+    """Half the mean squared distance, the smoothness, and what is lacking."""
+
+
 class _Inverse:
     """What all trials share."""
 
@@ -169,13 +181,12 @@ class _Inverse:
         second = self.knots.second
         return np.asarray(self.numbers.smooth / max(self.knots.number, 1) * (second.T @ (second @ z)))
 
-    def value(self, miss: Miss, z: Scalars) -> float:
-        """The target: half the mean squared distance, and the smoothness."""
-        return miss.value + 0.5 * float(z @ self.smooth(z))
-
-    def lacking(self, rods: Rods) -> float:
-        """What crossings lack to hold by friction."""
-        return 0.0 if self.holding is None else self.holding.lack(rods).value
+    def target(self, rods: Rods, z: Scalars) -> _Target:
+        """Measure a shape at rest of strips that are cut so."""
+        miss = self.goal.miss(rods)
+        lack = None if self.holding is None else self.holding.lack(rods)
+        short = 0.0 if lack is None else lack.value
+        return _Target(miss, lack, miss.value + 0.5 * float(z @ self.smooth(z)) + short)
 
     def nearby(self, shape: Rods, z: Scalars) -> Equilibrium:
         """Relax strips that are cut so from a shape nearby."""
@@ -204,9 +215,7 @@ class _Linear:
 
     def __init__(self, problem: _Inverse, rods: Rods, z: Scalars) -> None:
         self.problem, self.rods, self.z = problem, rods, z
-        self.miss = problem.goal.miss(rods)
-        self.lack = None if problem.holding is None else problem.holding.lack(rods)
-        self.value = problem.value(self.miss, z) + (0.0 if self.lack is None else self.lack.value)
+        self.miss, self.lack, self.value = problem.target(rods, z)
         self.sensitivity = RestSensitivity(rods, problem.terms, problem.held, None, problem.pattern)
         self.gradient = self.back(self.residuals()) + problem.smooth(z)
         # What is at its bound and pushed against it does not take part.
@@ -306,6 +315,8 @@ def optimal_strips(
     CurvedStrips
         It says whether the iteration converged; the number of trials is bounded, so it always ends.
 
+    Examples
+    --------
     >>> surface = gw.shapes.cone(faces=400).normalized()[0]
     >>> rods = gw.elastic_rods(gw.weave_pattern(surface, ribbons=8)).rods
     >>> found = gw.rods.optimal_strips(rods, surface, numbers=gw.rods.Fitting(most_steps=4))
@@ -344,12 +355,12 @@ def _descent(
         if radius < LEAST_TRUST * unit:
             return path, steps, "no step brings it nearer"
         trial = _trial(problem, linear, new)
-        gained = -np.inf if trial is None else linear.value - trial.value
+        gained = -np.inf if trial is None else linear.value - trial[1].value
         taken = trial is not None and gained > ENOUGH * lowered
         if trial is None:
             steps.append(replace(steps[-1], number=len(steps), taken=False))
         else:
-            steps.append(problem.told(len(steps), trial.miss, trial.rest, new, taken))
+            steps.append(problem.told(len(steps), trial[1].miss, trial[0], new, taken))
         if callback is not None:
             callback(steps[-1])
         if gained < POOR * lowered:
@@ -357,20 +368,12 @@ def _descent(
         elif gained > GOOD * lowered and size > 0.8 * radius:
             radius *= GROW
         if taken and trial is not None:
-            linear = _Linear(problem, trial.rest.rods, new)
+            linear = _Linear(problem, trial[0].rods, new)
             path.append(_Taken(new, linear.value))
     return path, steps, f"after {numbers.most_steps} trials the distance still falls"
 
 
-class _Trial(NamedTuple):
-    """Strips that were tried."""
-
-    rest: Equilibrium
-    miss: Miss
-    value: float
-
-
-def _trial(problem: _Inverse, linear: _Linear, z: Scalars) -> _Trial | None:
+def _trial(problem: _Inverse, linear: _Linear, z: Scalars) -> tuple[Equilibrium, _Target] | None:
     """Relax strips that are cut so from where they are foreseen to rest; None if they do not come to rest."""
     try:
         ahead = linear.rods.stepped(linear.moved(z - linear.z))
@@ -379,8 +382,7 @@ def _trial(problem: _Inverse, linear: _Linear, z: Scalars) -> _Trial | None:
     rest = problem.nearby(ahead, z)
     if not rest.converged:
         return None
-    miss = problem.goal.miss(rest.rods)
-    return _Trial(rest, miss, problem.value(miss, z) + problem.lacking(rest.rods))
+    return rest, problem.target(rest.rods, z)
 
 
 def _reached(problem: _Inverse, path: list[_Taken]) -> tuple[Scalars, Equilibrium, bool]:
@@ -388,7 +390,7 @@ def _reached(problem: _Inverse, path: list[_Taken]) -> tuple[Scalars, Equilibriu
     best: tuple[float, Scalars, Equilibrium] | None = None
     for number, (z, value) in enumerate(reversed(path[-LOOKS:])):
         rest = problem.anew(z)
-        found = problem.value(problem.goal.miss(rest.rods), z) + problem.lacking(rest.rods)
+        found = problem.target(rest.rods, z).value
         if best is None or found < best[0]:
             best = found, z, rest
         if rest.converged and found <= SAME**2 * value:

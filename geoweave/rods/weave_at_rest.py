@@ -51,6 +51,8 @@ class Relaxed:
     curving : how curved strips were chosen, if they were (`optimal_strips`)
     springs : stiffnesses of the contacts
 
+    Examples
+    --------
     >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8))
     >>> rest.document()["format"], len(rest.metrics()["worst"]["point"])
     ('geoweave-weave', 3)
@@ -205,6 +207,8 @@ def relax(
     RodError
         If a parameter is out of range.
 
+    Examples
+    --------
     >>> slid = gw.slide(gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)))
     >>> rest = gw.relax(slid)
     >>> rest.left.steps[-1].energy < rest.left.steps[0].energy
@@ -258,6 +262,8 @@ def relaxed_weave(
     RodError
         If a ribbon cannot be a rod, or a parameter is out of range.
 
+    Examples
+    --------
     >>> rest = gw.relaxed_weave(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8))
     >>> rest.departure.to_surface.mean < 0.05
     True

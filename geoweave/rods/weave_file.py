@@ -89,6 +89,8 @@ def read_weave(path: str | PathLike[str]) -> dict[str, Any]:
     WeaveFileError
         If the file cannot be read, is no JSON, or is no weave of a version that is known here.
 
+    Examples
+    --------
     >>> gw.rods.read_weave("no such.json")
     Traceback (most recent call last):
     ...

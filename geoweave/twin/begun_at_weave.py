@@ -36,6 +36,8 @@ def begun_at(alone: Twin, document: Mapping[str, Any], name: str = "weave.json")
         The strips at rest, with `Twin.alone` for the other rest; None if they have no less energy so than as
         they came to rest by themselves, or the weave lacks one of their crossings.
 
+    Examples
+    --------
     >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=8).sized(200.0)
     >>> twin = gw.twin.assembled(gw.fabrication.pattern_of(weave))
     >>> found = gw.twin.begun_at(twin, weave.document())  # at best a hair lower, in the same shape

@@ -79,6 +79,8 @@ def check_sound(surface: PatternSurface, *, anyway: bool = False) -> None:
     FieldError
         If the pattern is in pieces, or a crossing contradicts those about it.
 
+    Examples
+    --------
     >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=8).sized(200.0)
     >>> gw.twin.check_sound(gw.twin.surface_of(gw.fabrication.pattern_of(weave)))
     """

@@ -54,6 +54,8 @@ class PatternSurface:
     partner : (4 C,) dart at the other end of the same stretch, -1 where the strip ends
     stretch : (4 C,) length of the stretch, mm; 0 for a tail
 
+    Examples
+    --------
     >>> weave = gw.weave_pattern(gw.shapes.torus(faces=800), ribbons=8).sized(200.0)
     >>> gw.twin.surface_of(gw.fabrication.pattern_of(weave)).genus
     1
@@ -208,6 +210,8 @@ def surface_of(pattern: Pattern) -> PatternSurface:
     FieldError
         If there is no crossing.
 
+    Examples
+    --------
     >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=8).sized(200.0)
     >>> surface = gw.twin.surface_of(gw.fabrication.pattern_of(weave))
     >>> surface.genus, surface.openings

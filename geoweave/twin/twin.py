@@ -3,8 +3,7 @@
 The twin is made of what a maker has: the lengths of the strips, where they cross and by which angle, which
 lies above, and that the printed side is out. The crossings are placed on the surface that the strips close
 into. The strips are laid there as rods that are naturally straight, or as curved as they are cut, and
-relaxed (Appendix E). The result is
-compared with the weave that the pattern was exported from.
+relaxed (Appendix E). The result is compared with the weave that the pattern was exported from.
 """
 
 from __future__ import annotations
@@ -332,6 +331,8 @@ def assembled(
     RodError
         If a strip cannot be a rod.
 
+    Examples
+    --------
     >>> weave = gw.weave_pattern(gw.shapes.sphere(600), ribbons=16).sized(200.0)
     >>> twin = gw.twin.assembled(gw.fabrication.pattern_of(weave))
     >>> twin.compared(weave.document()).comes_back

@@ -33,6 +33,8 @@ class FlatCurve:
     length : once round for a closed strip, in the unit of the places
     closed : whether the strip is closed
 
+    Examples
+    --------
     >>> arc = gw.weave.FlatCurve(((0.0, 0.1),), 30.0)
     >>> np.round(arc.points([0.0, 10 * np.pi / 2]), 6).tolist()  # a quarter of a circle of radius 10
     [[0.0, 0.0], [10.0, 10.0]]

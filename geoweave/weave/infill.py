@@ -32,6 +32,9 @@ the first leaves no way, as from the tip of a bare leg."""
 STEP = 0.1
 """Distance between the samples of ribbons that may run along each other, in spacings."""
 
+PIECE = 1.0
+"""Length of the pieces in which lines are followed at a time, in spacings."""
+
 MOST = 8
 """Crossings that are looked at on either side of the place."""
 
@@ -199,13 +202,14 @@ def _rays(curves: Curves, lines: Curves, spacing: float, asked: Filling, apart: 
     met = met.taken(np.lexsort((met.arclength[:, 1], met.curves[:, 1])))
     firm, off = holding(met, asked.shallowest), off_ideal(met.angle, asked.families)
     bounds = np.searchsorted(met.curves[:, 1] - count, np.arange(len(lines) + 1))
-    beside = _beside(some, lines, spacing, apart * spacing)
+    shallow = np.full(len(lines), np.inf)
+    np.minimum.at(shallow, met.curves[~firm, 1] - count, met.arclength[~firm, 1])
+    blocks = _beside(some, lines, spacing, apart * spacing, shallow)
     rim = on_boundary(lines)[:, 1]
     found = []
     for k in range(len(lines)):
         own = slice(bounds[k], bounds[k + 1])
-        at, good = met.arclength[own, 1], firm[own]
-        blocked = min(float(at[~good].min(initial=np.inf)), float(beside[k]))
+        at, blocked = met.arclength[own, 1], float(blocks[k])
         free = at < blocked
         others = near[met.curves[own, 0][free]]
         found.append(_Ray(at[free], off[own][free], others, blocked, bool(rim[k]) and np.isinf(blocked)))
@@ -228,20 +232,25 @@ def _crossed(one: _Ray, other: _Ray, fewest: int, joins: Callable[[Indices], boo
     return None
 
 
-def _beside(curves: Curves, lines: Curves, spacing: float, apart: float) -> Scalars:
-    """(n,) arc length at which each line first comes too near to a curve that it runs along, inf if never."""
+def _beside(curves: Curves, lines: Curves, spacing: float, apart: float, ends: Scalars) -> Scalars:
+    """(n,) arc length at which each line first comes too near to a curve that it runs along, at most its end.
+
+    Lines are followed from their start together, a piece at a time, and each as far as it is free.
+    """
     from scipy.spatial import KDTree
 
     mine, given = lines.sampled(STEP * spacing), curves.sampled(STEP * spacing)
     middle = lines.points[0]
     local = np.flatnonzero(np.linalg.norm(given.points - middle, axis=1) < lines.lengths.max() + apart)
-    near = KDTree(mine.points).query_ball_tree(KDTree(given.points[local]), apart)
-    size = np.array([len(each) for each in near])
-    a, b = np.repeat(np.arange(len(near)), size), local[[q for each in near for q in each]]
-    parallel = np.abs((mine.heading[a] * given.heading[b]).sum(axis=1)) > np.cos(np.radians(ALONG))
-    parallel &= (mine.normals[a] * given.normals[b]).sum(axis=1) > 0
-    found = np.full(len(lines), np.inf)
-    np.minimum.at(found, mine.curve[a[parallel]], mine.arclength[a[parallel]])
+    tree, found = KDTree(given.points[local]), ends.copy()
+    piece = np.floor(mine.arclength / (PIECE * spacing))
+    for number in range(int(piece.max(initial=-1)) + 1):
+        here = np.flatnonzero((piece == number) & (mine.arclength < found[mine.curve]))
+        near = KDTree(mine.points[here]).sparse_distance_matrix(tree, apart, output_type="ndarray")
+        a, b = here[near["i"]], local[near["j"]]
+        parallel = np.abs((mine.heading[a] * given.heading[b]).sum(axis=1)) > np.cos(np.radians(ALONG))
+        parallel &= (mine.normals[a] * given.normals[b]).sum(axis=1) > 0
+        np.minimum.at(found, mine.curve[a[parallel]], mine.arclength[a[parallel]])
     return found
 
 

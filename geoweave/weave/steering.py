@@ -39,7 +39,7 @@ from geoweave.surface import (
     triangle_tree,
 )
 from geoweave.weave.cover import Cover
-from geoweave.weave.kept_singularities import Met, Mirrored, displaced, lifted_vectors
+from geoweave.weave.as_asked import Met, Mirrored, displaced, lifted_vectors
 
 __all__ = [
     "SYMMETRIES",

@@ -9,7 +9,7 @@ import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook, new_output
 
-from geoweave.artifact import figures, notebooks, replay
+from geoweave.artifact import figures, replay
 
 
 def notebook(number: str, picture: str = "aaaa") -> nbformat.NotebookNode:
@@ -54,6 +54,10 @@ def executed(root: Path, outputs: nbformat.NotebookNode) -> None:
     (folder / "record.json").write_text(json.dumps({**record, "state": "fresh", "figures": []}))
 
 
+def differences(root: Path) -> list[str]:
+    return replay.differences(root, "a", figures.stored_notebooks(root, ["a"], "default")["a"])
+
+
 def test_only_what_was_not_executed_as_it_is_now_is_executed_again(
     checkout: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -65,8 +69,14 @@ def test_only_what_was_not_executed_as_it_is_now_is_executed_again(
     (checkout / "geoweave" / "changed.py").write_text("pass\n")
     assert replay.main([]) == 0
     assert capsys.readouterr().out == "notebooks/a.ipynb notebooks/b.ipynb\n"
-    with pytest.raises(notebooks.NotebookError, match="not executed as it is now"):
-        replay.differences(checkout, "a")
+
+
+def test_the_package_is_read_once(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    read = []
+    monkeypatch.setattr(replay, "repository", lambda: checkout)
+    monkeypatch.setattr(figures, "_package_digest", lambda package: read.append(package) or b"")
+    assert replay.main([]) == 0
+    assert read == [checkout / "geoweave"]
 
 
 @pytest.mark.parametrize(("number", "differs"), [("1.5", False), ("1.6", True)])
@@ -74,7 +84,7 @@ def test_checked_cells_are_compared_and_pictures_are_not(
     checkout: Path, monkeypatch: pytest.MonkeyPatch, number: str, differs: bool
 ) -> None:
     executed(checkout, notebook(number, picture="cccc"))
-    found = replay.differences(checkout, "a")
+    found = differences(checkout)
     assert ["<b>1.6</b>" in sentence for sentence in found] == [True] * differs
     monkeypatch.setattr(replay, "repository", lambda: checkout)
     assert replay.main([]) == int(differs)
@@ -84,4 +94,4 @@ def test_a_cell_that_prints_more_or_less_differs(checkout: Path) -> None:
     other = notebook("1.5")
     other.cells[3].outputs = other.cells[3].outputs[:1]
     executed(checkout, other)
-    assert len(replay.differences(checkout, "a")) == 1
+    assert len(differences(checkout)) == 1

@@ -75,6 +75,14 @@ def test_veneer_is_more_rigid_than_vellum() -> None:
     assert wood.document()["load"] == 1.0
 
 
+def test_what_the_friction_of_the_material_does_not_hold_is_counted() -> None:
+    sheet = material_of("vellum")
+    slippery, rough = (rigidity(rest(), sheet._replace(friction=mu)).fasten for mu in (0.0, 1e9))
+    assert slippery > of_vellum().fasten >= rough
+    # Without friction every contact gives way; with any, those stay that nothing presses together.
+    assert slippery == len(rest().left.rods.contacts)
+
+
 def test_what_is_asked_of_no_object_is_refused() -> None:
     plain = relaxed_weave(weave_pattern(shapes.cone(faces=400), ribbons=8))
     with pytest.raises(RodError, match="not in mm"):

@@ -61,7 +61,7 @@ def test_the_gradient_is_that_of_finite_differences():
     values = []
     for sign in (1, -1):
         there = z + sign * small * way
-        values.append(problem.value(problem.goal.miss(problem.nearby(linear.rods, there).rods), there))
+        values.append(problem.target(problem.nearby(linear.rods, there).rods, there).value)
     assert (values[0] - values[1]) / (2 * small) == pytest.approx(linear.gradient @ way, rel=1e-5)
 
 

@@ -1,4 +1,6 @@
-"""Whether the finished field on a branched cover has the singularities of its RoSy (Section 5.1).
+"""Whether the finished field on a branched cover is what was asked of it (Section 5.1).
+
+It is compared with the singularities of its RoSy, and records say how it follows a direction and a mirror.
 
 Algorithm 1 cannot undo a branch point: the cover is cut out round it and glued as the RoSy says. It may still
 wind once more or once less round the cut, and away from it a vector field on a sheet may become singular.
