@@ -267,7 +267,8 @@ def expected_number(level_sets: Curves, families: int, cutting: Cutting, share: 
     """How many ribbons to expect where level sets lie ``1 / share`` times as far apart as those given.
 
     A level set then stands for a share of one. All are cut by the numbers of the other spacing, and those
-    that are left are counted by their share. No field is integrated anew.
+    that are left are counted by their share. No field is integrated anew. In a weave that is too dense, all
+    is bare between any two of these level sets. They are then cut as for the densest one in which it is not.
 
     Parameters
     ----------
@@ -279,8 +280,9 @@ def expected_number(level_sets: Curves, families: int, cutting: Cutting, share: 
     float
         0 where nothing would be left.
     """
+    densest = 2.0 * cutting.bare
     try:
-        return share * len(ribbons(level_sets, families, cutting.seen_from(1.0 / share)))
+        return share * len(ribbons(level_sets, families, cutting.seen_from(1.0 / min(share, densest))))
     except FieldError:
         return 0.0
 

@@ -239,3 +239,10 @@ def test_as_many_are_expected_at_the_same_spacing_and_about_half_at_half_the_num
     assert expected_number(leaves, 3, Cutting(), 1.0) == number
     assert 0.3 * number < expected_number(leaves, 3, Cutting(), 0.5) < 0.7 * number
     assert expected_number(leaves, 3, Cutting(), 1e-3) == 0.0
+
+
+def test_a_dense_weave_is_expected_without_filling_what_lies_between_level_sets() -> None:
+    """Twice, and a million times, the level sets are as many times the ribbons, or a little more."""
+    leaves, number = level_sets("sphere"), len(made("sphere"))
+    for share in (2.0, 1e6):
+        assert number <= expected_number(leaves, 3, Cutting(), share) / share < 1.5 * number
