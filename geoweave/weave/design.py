@@ -23,8 +23,8 @@ from geoweave.foliation import (
 from geoweave.sparse import Ordering
 from geoweave.surface import Similarity, TriMesh
 from geoweave.weave import interlacing
-from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
 from geoweave.weave.as_asked import Met
+from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
 from geoweave.weave.phase import Phase, phase_of
 from geoweave.weave.ribbon_count import TRIES, nearest_scale
 from geoweave.weave.ribbons import Cutting, Ribbons, expected_number, ribbons

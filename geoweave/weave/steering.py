@@ -38,8 +38,8 @@ from geoweave.surface import (
     mirror_plane,
     triangle_tree,
 )
-from geoweave.weave.cover import Cover
 from geoweave.weave.as_asked import Met, Mirrored, displaced, lifted_vectors
+from geoweave.weave.cover import Cover
 
 __all__ = [
     "SYMMETRIES",

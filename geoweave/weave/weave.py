@@ -15,9 +15,9 @@ from geoweave.errors import FieldError
 from geoweave.files import replacing
 from geoweave.foliation import Foliation
 from geoweave.surface import Similarity, TriMesh
+from geoweave.weave.as_asked import Met
 from geoweave.weave.cover import family_count
 from geoweave.weave.interlacing import Interlacing, greedy
-from geoweave.weave.as_asked import Met
 from geoweave.weave.passages import Passages
 from geoweave.weave.ribbon_ends import openings_reached
 from geoweave.weave.ribbons import Ribbons

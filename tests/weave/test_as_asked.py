@@ -9,9 +9,9 @@ from geoweave.fields.face_field import FaceField
 from geoweave.fields.rosy import smoothest_rosy
 from geoweave.fields.trivial_connection import prescribed_rosy
 from geoweave.models import shapes
+from geoweave.weave.as_asked import displaced, lifted_vectors
 from geoweave.weave.cover import branched_cover
 from geoweave.weave.design import weave_field
-from geoweave.weave.as_asked import displaced, lifted_vectors
 
 
 @pytest.mark.parametrize("degree", [3, 4, 5, 6])
