@@ -84,7 +84,8 @@ def varints(numbers: Indices) -> bytes:
 def shape(weave: WeaveLike, labels: Sequence[str]) -> dict[str, Any]:
     """The ribbons in space: places to 1/65535 of the largest extent, directions to 1/32767.
 
-    The page gives the cross sections of `ribbon_bodies` their width and thickness again.
+    The page gives the cross sections of `ribbon_bodies` their width and thickness again; ``shares`` says how
+    much of the full width each has, to 1/255.
 
     Parameters
     ----------
@@ -105,6 +106,7 @@ def shape(weave: WeaveLike, labels: Sequence[str]) -> dict[str, Any]:
     unit = float((points.max(axis=0) - low).max()) / 65535
     places = np.rint((points - low) / unit).astype("<u2")
     ups = np.rint(32767 * np.concatenate([each.up for each in found])).astype("<i2")
+    shares = np.floor(255 * np.concatenate([each.share for each in found])).astype("u1")
     along = [np.rint(65535 * each.at / each.at[-1]).astype("<u2") for each in found]
     return {
         "low": [round(float(each), 6) for each in low],
@@ -114,6 +116,7 @@ def shape(weave: WeaveLike, labels: Sequence[str]) -> dict[str, Any]:
         "places": _text(places.tobytes()),
         "ups": _text(ups.tobytes()),
         "along": _text(np.concatenate(along).tobytes()),
+        "shares": _text(shares.tobytes()),
     }
 
 

@@ -82,13 +82,15 @@ class WeaveInSpace {
   read(shape) {
     const places = new Uint16Array(bytesOf(shape.places).buffer);
     const ups = new Int16Array(bytesOf(shape.ups).buffer), along = new Uint16Array(bytesOf(shape.along).buffer);
+    const shares = bytesOf(shape.shares);
     const [x, y, z] = shape.low;
     let first = 0;
     return shape.counts.map((count, r) => {
-      const way = { count, at: new Float32Array(count), centre: [], up: [] };
+      const way = { count, at: new Float32Array(count), share: new Float32Array(count), centre: [], up: [] };
       for (let k = 0; k < count; k++) {
         const p = 3 * (first + k);
         way.at[k] = along[first + k] / 65535 * shape.lengths[r];
+        way.share[k] = shares[first + k] / 255;
         way.centre.push(new THREE.Vector3(x + places[p] * shape.unit, y + places[p + 1] * shape.unit, z + places[p + 2] * shape.unit));
         way.up.push(new THREE.Vector3(ups[p], ups[p + 1], ups[p + 2]).normalize());
       }
@@ -143,7 +145,7 @@ class WeaveInSpace {
       for (let face = 0; face < 4; face++) {
         for (let end = 0; end < 2; end++) {
           const v = 2 * count * face + end * count + k, [p, q] = corners[(face + end) % 4];
-          a.copy(way.centre[k]).addScaledVector(side, p * width / 2).addScaledVector(way.up[k], q * thickness / 2);
+          a.copy(way.centre[k]).addScaledVector(side, p * way.share[k] * width / 2).addScaledVector(way.up[k], q * thickness / 2);
           position.set([a.x, a.y, a.z], 3 * v);
           normal.set([127 * ways[face].x, 127 * ways[face].y, 127 * ways[face].z, 0], 4 * v);
           place.set([way.at[k], face % 2 ? 0 : p, face === 2 ? 1 : face === 0 ? -1 : 0], 3 * v);

@@ -6,6 +6,7 @@ This is the one place that says how a ribbon looks. The GLB, the guide and the p
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -14,23 +15,21 @@ from numpy.typing import NDArray
 
 from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.errors import FieldError
+from geoweave.weave.lying_over import CLEAR, Frames, Passings, beside, passings
 
 __all__ = ["CLEAR", "SECTIONS", "Body", "Centreline", "bodies"]
-
-CLEAR = 1.4
-"""Distance of the middles of two ribbons where they cross, in thicknesses.
-
-It is more than 1 because a surface that bends under a flat ribbon brings the edges of the ribbons closer.
-"""
 
 SECTIONS = 0.25
 """Distance between cross sections, in widths."""
 
-FLAT = 0.5
-"""A ribbon keeps its height up to so many widths to either side of a crossing ..."""
+ROUNDS = 2
+"""So often the heights are corrected by what the bodies that come of them still lack."""
 
-FLAT_SHARE = 0.4
-"""... but at most for this share of the way to the next crossing, so that it has room to rise or fall."""
+NEAREST = 1.05
+"""Least distance of the middles of two ribbons anywhere in their crossing, in thicknesses."""
+
+NECK = 0.8
+"""A ribbon that is drawn narrower at a crossing has its full width again so many widths farther on."""
 
 _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 """Corners of a cross section, in half widths to the left and half thicknesses up."""
@@ -69,13 +68,16 @@ class Body(NamedTuple):
     """(P, 3) unit, outwards."""
     ahead: Vectors
     """(P, 3) unit, along the centreline."""
+    share: Scalars
+    """(P,) of the width that the ribbon is drawn with, at most 1"""
     width: float
     thickness: float
 
     @property
     def corners(self) -> NDArray[np.float64]:
         """(P, 4, 3) corners of the cross sections: lower right, lower left, upper left, upper right."""
-        wide, thick = 0.5 * self.width * self.side, 0.5 * self.thickness * self.up
+        wide = 0.5 * self.width * self.share[:, None] * self.side
+        thick = 0.5 * self.thickness * self.up
         return np.stack([self.centre + a * wide + b * thick for a, b in _CORNERS], axis=1)
 
     def solid(self) -> tuple[Vectors, NDArray[np.int64]]:
@@ -109,11 +111,12 @@ def bodies(
 ) -> tuple[Body, ...]:
     """Give ribbons their width and thickness, and raise or lower them where they cross.
 
-    At a crossing the two ribbons are moved apart along the normal, by the same amount each, until their
-    middles are `CLEAR` thicknesses apart. Ribbons on a surface go through each other, so each of them moves
-    by half of that. Ribbons at rest lie over each other already, so they move by what is missing. Across the
-    width of a crossing the height stays the same; between two crossings it goes smoothly from one height to
-    the next.
+    At a crossing the two ribbons are moved apart along the normal, until their middles are `CLEAR`
+    thicknesses apart over the whole of what they share. Ribbons on a surface go through each other, so each
+    of them moves by half of that. Ribbons at rest lie over each other already, so they move by what is
+    missing. Over a crossing the height stays the same; between two crossings it goes smoothly from one
+    height to the next. Where ribbons hold each other so closely that there is no room for that, they are
+    drawn narrower (`geoweave.weave.lying_over.passings`).
 
     Parameters
     ----------
@@ -136,25 +139,43 @@ def bodies(
     >>> north = gw.weave.Centreline(np.array([[0, -10.0, 0], [0, 10, 0]]), up, closed=False)
     >>> met = np.array([[0, 1]]), np.array([[10.0, 10.0]]), np.array([0])
     >>> first, second = gw.weave.bodies([east, north], *met, width=2.0, thickness=0.5)
-    >>> round(float(first.centre[:, 2].max() - second.centre[:, 2].min()), 3)  # 1.4 thicknesses
-    0.7
+    >>> round(float(first.centre[:, 2].max() - second.centre[:, 2].min()), 3)  # 1.2 thicknesses
+    0.6
     """
     for name, value in (("width", width), ("thickness", thickness), ("step", step)):
         if not (np.isfinite(value) and value > 0):
             raise FieldError(f"the {name} of a ribbon in space must be a positive number, not {value}")
     measured = [_Line(line) for line in lines]
-    heights: list[list[tuple[float, float]]] = [[] for _ in lines]
-    for (r, q), (s, t), above in zip(crossings.tolist(), arclength.tolist(), over.tolist(), strict=True):
-        normal = measured[r].normal(s) + measured[q].normal(t)
-        apart = measured[r].point(s) - measured[q].point(t)
-        sign = 1 if above == 0 else -1
-        there = sign * float(apart @ normal) / max(float(np.linalg.norm(normal)), 1e-12)
-        height = 0.5 * sign * max(CLEAR * thickness - there, 0.0)
-        heights[r].append((s, height))
-        heights[q].append((t, -height))
+    frames = _frames(measured, width, step * width)
+    met = passings(frames, crossings, arclength, over, width, thickness)
+    order = np.lexsort([met.at, met.ribbons])
+    starts = np.searchsorted(met.ribbons[order], np.arange(len(lines) + 1))
+    own = [order[starts[r] : starts[r + 1]] for r in range(len(lines))]
+
+    def drawn(met: Passings) -> list[Body]:
+        pairs = zip(measured, own, strict=True)
+        return [_body(line, met, mine, width, thickness, step * width) for line, mine in pairs]
+
+    made = drawn(met)
+    for _ in range(ROUNDS):
+        met = met.parted(_joined(made), 0.5 * width, NEAREST * thickness)
+        made = drawn(met)
+    frames = _joined(made)
+    share = beside(frames, met, width, thickness)
     return tuple(
-        _body(line, sorted(height), width, thickness, step * width)
-        for line, height in zip(measured, heights, strict=True)
+        _narrowed(body, share[first:end])
+        for body, (first, end) in zip(made, itertools.pairwise(frames.offsets), strict=True)
+    )
+
+
+def _narrowed(body: Body, share: Scalars) -> Body:
+    """The body no wider than that anywhere, with slow changes of its width."""
+    narrow = np.flatnonzero(share < 1.0)
+    reach = np.full(len(narrow), 0.25 * body.width)
+    return body._replace(
+        share=np.minimum(
+            body.share, _shares(body.at, body.at[narrow], reach, share[narrow], body.width, body.closed)
+        )
     )
 
 
@@ -168,37 +189,101 @@ class _Line:
         self.normals = line.normals[: len(self.at) - 1]
         """(P - 1, 3) of each segment."""
 
-    def point(self, s: float) -> Vectors:
-        """(3,) the point at a length along the line."""
-        return np.array([np.interp(s, self.at, self.points[:, axis]) for axis in range(3)])
-
-    def normal(self, s: float) -> Vectors:
-        """(3,) the normal of the segment there."""
-        segment = int(np.searchsorted(self.at, s, side="right")) - 1
-        return np.asarray(self.normals[min(max(segment, 0), len(self.normals) - 1)])
-
-
-def _body(
-    line: _Line, heights: list[tuple[float, float]], width: float, thickness: float, step: float
-) -> Body:
-    where = _sections(line.at[-1], [s for s, _ in heights], step)
-    centre = np.stack([np.interp(where, line.at, line.points[:, axis]) for axis in range(3)], axis=1)
-    up = _mean_normals(where, line, 0.5 * width)
-    ahead = np.gradient(centre, axis=0)
-    if line.closed:
-        ahead[0] = ahead[-1] = centre[1] - centre[-2]
-    ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
-    up -= (up * ahead).sum(axis=1, keepdims=True) * ahead
-    up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
-    lifted = centre + _heights(where, heights, line.at[-1], width, line.closed)[:, None] * up
-    return Body(line.closed, where, lifted, np.cross(up, ahead), up, ahead, width, thickness)
+    def sections(self, where: Scalars, reach: float) -> tuple[Vectors, Vectors, Vectors]:
+        """Middle, normal and direction of cross sections at these lengths; normals are means over reach."""
+        centre = np.stack([np.interp(where, self.at, self.points[:, axis]) for axis in range(3)], axis=1)
+        up = _mean_normals(where, self, reach)
+        ahead = np.gradient(centre, where, axis=0)
+        if self.closed:
+            ahead[0] = ahead[-1] = ahead[0] + ahead[-1]
+        ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-12)
+        up -= (up * ahead).sum(axis=1, keepdims=True) * ahead
+        up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)
+        return centre, up, ahead
 
 
-def _sections(length: float, crossings: Sequence[float], step: float) -> Scalars:
-    """Where cross sections are: evenly along the line, and one at each crossing, where the height peaks."""
+def _frames(lines: Sequence[_Line], width: float, step: float) -> Frames:
+    where = [np.linspace(0.0, each.at[-1], max(round(each.at[-1] / step), 2) + 1) for each in lines]
+    parts = [line.sections(at, 0.5 * width) for line, at in zip(lines, where, strict=True)]
+    nothing = np.zeros((0, 3))
+    return Frames(
+        offsets=np.concatenate([[0], np.cumsum([len(at) for at in where])]).astype(np.int64),
+        closed=np.array([line.closed for line in lines], dtype=bool),
+        at=np.concatenate([np.zeros(0), *where]),
+        centre=np.concatenate([nothing, *(part[0] for part in parts)]),
+        ahead=np.concatenate([nothing, *(part[2] for part in parts)]),
+        up=np.concatenate([nothing, *(part[1] for part in parts)]),
+    )
+
+
+def _joined(made: Sequence[Body]) -> Frames:
+    """The cross sections of all bodies, one after the other."""
+    nothing = np.zeros((0, 3))
+    return Frames(
+        offsets=np.concatenate([[0], np.cumsum([len(body.at) for body in made])]).astype(np.int64),
+        closed=np.array([body.closed for body in made], dtype=bool),
+        at=np.concatenate([np.zeros(0), *(body.at for body in made)]),
+        centre=np.concatenate([nothing, *(body.centre for body in made)]),
+        ahead=np.concatenate([nothing, *(body.ahead for body in made)]),
+        up=np.concatenate([nothing, *(body.up for body in made)]),
+    )
+
+
+def _body(line: _Line, met: Passings, own: Indices, width: float, thickness: float, step: float) -> Body:
+    """The body of one ribbon; own are its passings, in the order in which it comes to them."""
+    length = float(line.at[-1])
+    levels = _levels(met, own, length, line.closed)
+    where = _sections(length, levels, step)
+    centre, up, ahead = line.sections(where, 0.5 * width)
+    lifted = centre + _heights(where, levels)[:, None] * up
+    slim = own[met.share[own] < 1.0]
+    share = _shares(where, met.at[slim], met.reach[slim], met.share[slim], width, line.closed)
+    return Body(line.closed, where, lifted, np.cross(up, ahead), up, ahead, share, width, thickness)
+
+
+class _Levels(NamedTuple):
+    """Stretches of a ribbon that keep one height; what lies between two of them is a ramp."""
+
+    starts: Scalars
+    ends: Scalars
+    heights: Scalars
+
+
+def _levels(met: Passings, own: Indices, length: float, closed: bool) -> _Levels:
+    at, reach, height = met.at[own], met.reach[own], met.height[own]
+    if closed and len(own):
+        at = np.concatenate([at - length, at, at + length])
+        reach, height = np.tile(reach, 3), np.tile(height, 3)
+    starts, ends = at - reach, at + reach
+    for k in range(len(at) - 1):
+        if ends[k] <= starts[k + 1]:
+            continue
+        # Two share some of it: the one that is farther from the surface keeps its height there.
+        first = abs(height[k]) >= abs(height[k + 1])
+        if height[k] * height[k + 1] < 0:
+            ends[k] = starts[k + 1] = 0.5 * (max(starts[k + 1], at[k]) + min(ends[k], at[k + 1]))
+        elif first:
+            starts[k + 1] = ends[k]
+            ends[k + 1] = max(ends[k + 1], ends[k])
+        else:
+            ends[k] = max(starts[k + 1], starts[k])
+            starts[k + 1] = ends[k]
+    return _Levels(starts, ends, height)
+
+
+def _sections(length: float, levels: _Levels, step: float) -> Scalars:
+    """Where cross sections are: evenly along the line, where each ramp begins and ends, and within it."""
     even = np.linspace(0.0, length, max(round(length / step), 2) + 1)
-    met = np.array([s for s in crossings if 0.1 * step < s < length - 0.1 * step])
+    begin, end = levels.ends[:-1], levels.starts[1:]
+    ramps = levels.heights[:-1] != levels.heights[1:]
+    begin, end = begin[ramps], end[ramps]
+    end = np.maximum(end, begin)
+    within = [begin + part * (end - begin) for part in (0.0, 1 / 3, 2 / 3, 1.0)]
+    met = np.unique(np.concatenate(within)) if len(begin) else np.zeros(0)
+    met = met[(met > 0.1 * step) & (met < length - 0.1 * step)]
     if len(met):
+        # What is nearly the same place is one place.
+        met = met[np.concatenate([[True], np.diff(met) > 1e-3 * step])]
         nearest = np.abs(even[:, None] - met).min(axis=1)
         nearest[[0, -1]] = np.inf
         even = even[nearest > 0.25 * step]
@@ -219,23 +304,26 @@ def _mean_normals(where: Scalars, line: _Line, reach: float) -> Vectors:
     )
 
 
-def _heights(
-    where: Scalars, heights: list[tuple[float, float]], length: float, width: float, closed: bool
-) -> Scalars:
-    """Height above the centreline: level at each crossing, with slope 0 at both ends of every rise."""
-    if not heights:
+def _heights(where: Scalars, levels: _Levels) -> Scalars:
+    """Height above the centreline: level over each crossing, with slope 0 at both ends of every ramp."""
+    if not len(levels.heights):
         return np.zeros(len(where))
-    place, first = np.unique([s for s, _ in heights], return_index=True)
-    value = np.array([h for _, h in heights])[first]
-    if closed:
-        place = np.concatenate([place - length, place, place + length])
-        value = np.tile(value, 3)
-    gaps = np.diff(place, prepend=-np.inf, append=np.inf)
-    reach = np.minimum(FLAT * width, FLAT_SHARE * np.minimum(gaps[:-1], gaps[1:]))
-    knots = np.stack([place - reach, place + reach], axis=1).ravel()
-    levels = np.repeat(value, 2)
-    share = np.interp(where, knots, np.arange(len(knots)))
-    before = np.minimum(share.astype(np.int64), len(knots) - 2)
-    share -= before
+    knots = np.maximum.accumulate(np.stack([levels.starts, levels.ends], axis=1).ravel())
+    values = np.repeat(levels.heights, 2)
+    after = np.clip(np.searchsorted(knots, where, side="right"), 1, len(knots) - 1)
+    low, high = knots[after - 1], knots[after]
+    share = np.clip((where - low) / np.maximum(high - low, 1e-300), 0.0, 1.0)
     blend = share**2 * (3.0 - 2.0 * share)
-    return np.asarray((1.0 - blend) * levels[before] + blend * levels[before + 1])
+    return np.asarray((1.0 - blend) * values[after - 1] + blend * values[after])
+
+
+def _shares(
+    where: Scalars, at: Scalars, reach: Scalars, least: Scalars, width: float, closed: bool
+) -> Scalars:
+    """Share of the full width: no more than the least within reach of each place, then slowly full."""
+    apart = np.abs(where[:, None] - at)
+    if closed:
+        apart = np.minimum(apart, where[-1] - apart)
+    part = np.clip((apart - reach) / (NECK * width), 0.0, 1.0)
+    found = least + (1.0 - least) * part**2 * (3.0 - 2.0 * part)
+    return np.asarray(found.min(axis=1, initial=1.0))

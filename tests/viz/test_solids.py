@@ -12,14 +12,18 @@ from pictures import ring
 from geoweave import viz
 from geoweave.errors import RenderError
 from geoweave.models import shapes
-from geoweave.rods.rods import Contacts
+from geoweave.rods.rods import Contacts, Rods
 from geoweave.viz.solids import ribbon_bodies
+from geoweave.weave.body import CLEAR
 from geoweave.weave.design import Weave, weave_pattern
 
 
-def none_at_all() -> Contacts:
-    nothing = np.zeros((0, 2), dtype=np.int64)
-    return Contacts(nothing, nothing.astype(float), nothing[:, 0])
+def far_apart() -> Rods:
+    """The ring and the rod that crossed it, which is elsewhere now."""
+    rods, nothing = ring(), np.zeros((0, 2), dtype=np.int64)
+    points = rods.points.copy()
+    points[24:] += (9.0, 0.0, 0.0)
+    return replace(rods, points=points, contacts=Contacts(nothing, nothing.astype(float), nothing[:, 0]))
 
 
 @cache
@@ -43,7 +47,10 @@ def test_strips_are_as_wide_and_thick_as_asked() -> None:
     weave = pattern()
     made = viz.strips(weave, ribbons_of(1), width=0.03, thickness=0.01)
     rings = made.points.reshape(-1, 4, 3)
-    np.testing.assert_allclose(np.linalg.norm(rings[:, 1] - rings[:, 0], axis=1), 0.03, rtol=1e-9)
+    wide = np.linalg.norm(rings[:, 1] - rings[:, 0], axis=1)
+    # narrower only where ribbons hold each other too closely
+    assert wide.max() == pytest.approx(0.03, rel=1e-9)
+    assert (wide > 0.0299).mean() > 0.9
     np.testing.assert_allclose(np.linalg.norm(rings[:, 3] - rings[:, 0], axis=1), 0.01, rtol=1e-9)
 
 
@@ -64,12 +71,11 @@ def test_ribbons_are_apart_along_the_normal_where_they_cross() -> None:
             ups.append(body.up[section])
         top = weave.interlacing.over[crossing]
         rise = (centres[top] - centres[1 - top]) @ (ups[0] + ups[1]) / 2
-        assert rise == pytest.approx(1.4 * weave.thickness, rel=0.1)
+        assert CLEAR * weave.thickness * 0.99 < rise < 2 * weave.thickness
 
 
 def test_strips_have_the_section_of_the_rod() -> None:
-    alone = replace(ring(), contacts=none_at_all())
-    made = viz.bands(alone, np.array([0]))
+    made = viz.bands(far_apart(), np.array([0]))
     assert len(made.quads) == len(made.points)  # closed: no caps
     radius = np.linalg.norm(made.points[:, :2], axis=1)
     # between vertices on the circle the strip is smooth, to a thousandth of the radius
@@ -80,7 +86,7 @@ def test_strips_have_the_section_of_the_rod() -> None:
 
 
 def test_strips_are_closed_solids_turned_outwards() -> None:
-    made = viz.bands(replace(ring(), contacts=none_at_all()), np.array([0, 1]))
+    made = viz.bands(far_apart(), np.array([0, 1]))
     corners = made.points[made.quads]
     # divergence theorem: a third of the flux of x through the outside is the volume
     area = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
@@ -98,8 +104,8 @@ def test_rods_laid_on_a_surface_part_where_they_cross() -> None:
     place = rods.points[24 + 2]
     near = [points[np.linalg.norm(points - place, axis=1) < 0.2] @ outwards for points in (under, over)]
     assert near[0].max() < near[1].min()
-    # the middles are 1.4 thicknesses apart, and each rod moves by half of that
-    assert near[1].mean() == pytest.approx(place @ outwards + 0.7 * 0.05, abs=1e-3)
+    # the middles are at least that far apart, and each rod moves by half of it
+    assert near[1].mean() == pytest.approx(place @ outwards + 0.5 * CLEAR * 0.05, abs=1e-3)
 
 
 def test_no_rods_make_no_solid() -> None:
