@@ -43,6 +43,9 @@ OCCLUSION_STRENGTH = 1.5
 OCCLUSION_BLUR = 0.002
 """Blur of the occlusion, as a share of the height of the picture."""
 
+EDGE = 1.0
+"""Width of the edges of a solid, in pixels of the picture."""
+
 
 @dataclass
 class Scene:
@@ -200,9 +203,17 @@ class Scene:
         if values is not None:
             solid.point_data["values"] = values
             look = {"scalars": "values", "cmap": colormap or style.sequential(), "clim": limits}
+        whole = solid
         solid = solid.compute_normals(cell_normals=False, split_vertices=True, feature_angle=40.0)
         look |= {"ambient": 0.32, "diffuse": 0.70, "specular": 0.06, "occludes": True}
         self._actors.append((solid, look))
+        if values is None:
+            # Where two ribbons of one colour cross, only their edges tell them apart.
+            edges = whole.extract_feature_edges(
+                feature_angle=60.0, boundary_edges=False, non_manifold_edges=False, manifold_edges=False
+            )
+            line = {"color": style.darker(colour), "line_width": EDGE * SUPERSAMPLING, "lighting": False}
+            self._actors.append((edges, line))
         if framed:
             self._points.append(placed)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.colors import LinearSegmentedColormap, to_rgb
+from matplotlib.colors import LinearSegmentedColormap, to_hex, to_rgb
 from numpy.typing import NDArray
 
 DPI = 200
@@ -108,6 +108,12 @@ def shade() -> LinearSegmentedColormap:
 def cyclic() -> LinearSegmentedColormap:
     """Map of angles that ends where it starts: sand (0), teal, slate (half a turn), mallow and back."""
     return _uniform("geoweave-wheel", ["#f3ead8", "#5fa3a3", "#2c4460", "#a4597c", "#f3ead8"])
+
+
+def darker(colour: str, share: float = 0.45) -> str:
+    """Mix a colour with so much black, in Oklab."""
+    lab = _to_oklab(np.array(to_rgb(colour))[None])
+    return str(to_hex(np.clip(_from_oklab(lab * (1.0 - share)), 0.0, 1.0)[0]))
 
 
 def scientific(value: float) -> str:

@@ -25,3 +25,12 @@ def test_maps_are_uniform_and_centred() -> None:
     ends = style._to_oklab(np.array([signed(0.0)[:3], signed(1.0)[:3]]))
     assert abs(ends[0, 0] - ends[1, 0]) < 0.03
     assert np.allclose(style._from_oklab(style._to_oklab(signed(at)[:, :3])), signed(at)[:, :3], atol=1e-6)
+
+
+def test_edges_have_the_hue_of_what_they_belong_to() -> None:
+    for colour in style.FAMILIES:
+        plain, dark = (
+            style._to_oklab(np.array([to_rgb(each)]))[0] for each in (colour, style.darker(colour))
+        )
+        assert dark[0] < 0.6 * plain[0]
+        assert np.allclose(np.arctan2(*dark[1:]), np.arctan2(*plain[1:]), atol=0.1)

@@ -6,12 +6,13 @@ from functools import cache
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
 
 from geoweave import viz
 from geoweave.errors import RenderError
 from geoweave.models import catalogue, shapes
 from geoweave.surface.mesh import TriMesh
-from geoweave.viz import weaves
+from geoweave.viz import style, weaves
 from geoweave.viz.weaves import facing
 from geoweave.weave.design import Weave, weave_pattern
 
@@ -84,3 +85,13 @@ def test_a_surface_turned_inside_out_lies_behind_its_ribbons() -> None:
     assert facing(TriMesh(sphere.vertices, sphere.faces[:, ::-1])) == -1
     assert facing(saddle) == facing(TriMesh(saddle.vertices, saddle.faces[:, ::-1])) == 1  # it has no inside
     assert facing(catalogue.load("schwarz-p")) == -1
+
+
+def test_ribbons_have_edges_that_show_where_two_of_one_colour_cross() -> None:
+    weave = pattern()
+    alike = np.zeros(len(weave.ribbons), dtype=np.int64)
+    scene = viz.weave_scene(weave, viz.View(elevation=40), alike)
+    pixels = scene.draw(500)
+    dark = np.array(to_rgb(style.darker(style.FAMILIES[0]))) * 255
+    near = np.abs(pixels.astype(float) - dark).max(axis=-1) < 25
+    assert near.mean() > 0.005
