@@ -16,7 +16,7 @@ from geoweave.fields.closed_projection import ClosedProjection, ordering_of
 from geoweave.fields.face_field import FaceField, Handles
 from geoweave.fields.operators import AllFields, ClosedFields
 from geoweave.fields.triples import Triples
-from geoweave.fields.zero_sum import ZeroSum
+from geoweave.fields.zero_sum import ZeroSum, falling_weights
 from geoweave.sparse import Ordering, analysed, one_blas_thread
 from geoweave.surface import TriMesh
 
@@ -178,7 +178,8 @@ def geodesic_field(
     acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
     curl_free : False removes the constraint ``C (w + delta) = 0`` from Eq. 5: the field is then only smooth,
         as in the comparison of Fig. 10
-    triples : sheets of a cover whose directions are to stay 120 degrees apart, see `ZeroSum`
+    triples : sheets of a cover whose directions are to stay 120 degrees apart, see `ZeroSum`; its weight falls
+        with lambda, from 1 to 0.1
     callback : called after every step with the `Step` and the field
 
     Returns
@@ -208,7 +209,8 @@ def geodesic_field(
     schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
     handles = handles if handles is not None and len(handles.faces) else None
     _check(min(len(schedule), iterations, phases), acceleration, handles, phases, triples)
-    sums = None if triples is None else ZeroSum(triples)
+    weights = falling_weights(len(schedule))
+    sums = None if triples is None else ZeroSum(triples, weights[0])
     fields = ClosedFields(mesh) if curl_free else AllFields(mesh)
     ordering = ordering_of(fields)
     start = initial.normalized()
@@ -220,6 +222,8 @@ def geodesic_field(
     for project in _projections(fields, schedule, ordering, handles):
         remaining -= 1
         limit = iterations if remaining else LAST_STEPS * iterations
+        if sums is not None:
+            sums.weight = weights[-1 - remaining]
         if remaining == len(schedule) - 1 and phases > 1:
             w = _promising_phase(project, w, phases, tolerance, acceleration, sums)
             start = FaceField(mesh, w)

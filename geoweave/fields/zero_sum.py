@@ -7,11 +7,35 @@ import numpy as np
 from geoweave.arrays import Complexes
 from geoweave.fields.triples import Triples
 
-WEIGHT = 0.3
-"""eta: on the vessel 76, 97, 99.9 % of the angles are within 20 degrees of 60 at 0, 0.1 and 0.3."""
+FIRST_WEIGHT = 1.0
+"""eta at the first lambda, where the field settles as a whole: families come apart that would run together."""
+
+LAST_WEIGHT = 0.1
+"""eta at the last lambda, where the field is to be geodesic first."""
 
 SWEEPS = 2
 """How often each of the three directions is set to its best beside the other two, in one step."""
+
+
+def falling_weights(levels: int) -> tuple[float, ...]:
+    """Values of eta for so many values of lambda, a geometric sequence from large to small.
+
+    At a coarse lambda a large eta chooses a field whose families are apart. Then a small one keeps them so,
+    and a field that is held less bends less (DEVIATIONS.md, zero-sum).
+
+    Parameters
+    ----------
+    levels : number of weights, 1 or more; a single one is the last
+
+    Examples
+    --------
+    >>> from geoweave.fields.zero_sum import falling_weights
+    >>> falling_weights(3)[0], round(falling_weights(3)[1], 3), falling_weights(1)
+    (1.0, 0.316, (0.1,))
+    """
+    if levels == 1:
+        return (LAST_WEIGHT,)
+    return tuple(float(each) for each in np.geomspace(FIRST_WEIGHT, LAST_WEIGHT, levels))
 
 
 class ZeroSum:
@@ -37,7 +61,7 @@ class ZeroSum:
     True
     """
 
-    def __init__(self, triples: Triples, weight: float = WEIGHT) -> None:
+    def __init__(self, triples: Triples, weight: float = LAST_WEIGHT) -> None:
         self.faces, self.signs, self.weight = triples.faces, triples.signs, weight
         self._areas = triples.mesh.face_areas[triples.faces[:, 0]]
 

@@ -10,7 +10,7 @@ import geoweave as gw
 from geoweave.errors import FieldError
 from geoweave.fields import geodesic_field
 from geoweave.fields.face_field import FaceField, Handles, unit
-from geoweave.fields.zero_sum import ZeroSum
+from geoweave.fields.zero_sum import ZeroSum, falling_weights
 
 
 def opening(field: FaceField, sheets: np.ndarray, signs: np.ndarray) -> np.ndarray:
@@ -70,6 +70,24 @@ def test_the_term_keeps_families_nearer_to_60_degrees_and_never_lets_the_energy_
     for smoothness in {step.smoothness for step in held.steps}:
         energies = [step.energy for step in held.steps if step.smoothness == smoothness]
         assert (np.diff(energies) <= 1e-9).all()
+
+
+def test_the_weight_falls_with_lambda_and_a_single_lambda_has_the_last() -> None:
+    weights = falling_weights(4)
+    assert (np.diff(weights) < 0).all()
+    assert falling_weights(1) == (weights[-1],)
+    quotient = gw.weave_field(gw.shapes.torus(faces=600)).cover.quotient
+    energies: dict[float, list[float]] = {}
+    solve = geodesic_field(quotient.field, triples=quotient.triples, smoothness=(1e-2, 1e-3), iterations=3)
+    for step in solve.steps:
+        energies.setdefault(step.smoothness, []).append(step.energy)
+    # The last field is measured with the last weight: its energy is that of Eq. 5 and the term together.
+    rest = 0.5 * (solve.delta.mesh.face_areas @ np.abs(solve.delta.values) ** 2)
+    term = ZeroSum(quotient.triples, falling_weights(2)[-1]).energy(solve.field.values)
+    assert rest + term < energies[1e-3][-1]
+    assert ZeroSum(quotient.triples, falling_weights(2)[0]).energy(solve.field.values) == pytest.approx(
+        10.0 * term
+    )
 
 
 def test_refuses_handles_beside_triples() -> None:
