@@ -77,7 +77,8 @@ class Cutting:
         """The same lengths and crossings where the spacing is so many times smaller.
 
         By these numbers level sets that lie so many times as close are cut as wider ones are. ``beside``
-        stays: which ribbons double one another is judged by the spacing that they have.
+        stays: which ribbons double one another is judged by the spacing that they have. ``bare`` does not
+        fall: between level sets that are to stand for closer ones all would be bare.
 
         Examples
         --------
@@ -93,7 +94,7 @@ class Cutting:
             fewest=max(1, round(self.fewest * denser)),
             reach=self.reach * denser,
             tail=self.tail * denser,
-            bare=self.bare * denser,
+            bare=self.bare * max(denser, 1.0),
             apart=tuple(each * denser for each in self.apart),
         )
 

@@ -232,6 +232,8 @@ def test_numbers_seen_from_another_spacing_are_the_same_lengths() -> None:
             power = -1.0 if name == "sharpest" else 1.0
             np.testing.assert_allclose(getattr(seen, name), np.multiply(value, 1.5**power))
     assert given.seen_from(1e-3).fewest == 1
+    # What stands for closer level sets would all be bare, and a ribbon laid through each place of it.
+    assert given.seen_from(0.1).bare == given.bare
 
 
 def test_as_many_are_expected_at_the_same_spacing_and_about_half_at_half_the_number() -> None:
