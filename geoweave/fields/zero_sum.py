@@ -8,7 +8,7 @@ from geoweave.arrays import Complexes
 from geoweave.fields.triples import Triples
 
 FIRST_WEIGHT = 1.0
-"""eta at the first lambda, where the field settles as a whole: families come apart that would run together."""
+"""eta at the first lambda, where the field settles as a whole and families are kept from running together."""
 
 LAST_WEIGHT = 0.1
 """eta at the last lambda, where the field is to be geodesic first."""
