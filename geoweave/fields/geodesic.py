@@ -178,8 +178,8 @@ def geodesic_field(
     acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
     curl_free : False removes the constraint ``C (w + delta) = 0`` from Eq. 5: the field is then only smooth,
         as in the comparison of Fig. 10
-    triples : sheets of a cover whose directions are to stay 120 degrees apart, see `ZeroSum`; its weight falls
-        with lambda, from 1 to 0.1
+    triples : sheets of a cover whose directions are to stay 120 degrees apart, see `ZeroSum`; its weight
+        falls with lambda, from 1 to 0.1
     callback : called after every step with the `Step` and the field
 
     Returns
