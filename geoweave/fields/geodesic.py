@@ -178,8 +178,7 @@ def geodesic_field(
     acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
     curl_free : False removes the constraint ``C (w + delta) = 0`` from Eq. 5: the field is then only smooth,
         as in the comparison of Fig. 10
-    triples : sheets of a cover whose directions are to stay 120 degrees apart, see `ZeroSum`; its weight
-        falls with lambda, from 1 to 0.1
+    triples : sheets of a cover whose directions are to stay 120 degrees apart, see `ZeroSum`
     callback : called after every step with the `Step` and the field
 
     Returns
@@ -209,8 +208,7 @@ def geodesic_field(
     schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
     handles = handles if handles is not None and len(handles.faces) else None
     _check(min(len(schedule), iterations, phases), acceleration, handles, phases, triples)
-    weights = falling_weights(len(schedule))
-    sums = None if triples is None else ZeroSum(triples, weights[0])
+    terms = _terms(triples, len(schedule))
     fields = ClosedFields(mesh) if curl_free else AllFields(mesh)
     ordering = ordering_of(fields)
     start = initial.normalized()
@@ -218,13 +216,10 @@ def geodesic_field(
     steps: list[Step] = []
     converged = False
     # Not enumerate: it would keep the last projection, and its factors, while the next one is made.
-    remaining = len(schedule)
     for project in _projections(fields, schedule, ordering, handles):
-        remaining -= 1
-        limit = iterations if remaining else LAST_STEPS * iterations
-        if sums is not None:
-            sums.weight = weights[-1 - remaining]
-        if remaining == len(schedule) - 1 and phases > 1:
+        sums = terms.pop(0)
+        limit = iterations if terms else LAST_STEPS * iterations
+        if len(terms) == len(schedule) - 1 and phases > 1:
             w = _promising_phase(project, w, phases, tolerance, acceleration, sums)
             start = FaceField(mesh, w)
         w, v, converged = _alternate(project, w, limit, tolerance, acceleration, steps, callback, sums)
@@ -244,6 +239,11 @@ def _check(
         raise FieldError("handles fix the phase of the field: leave out the phases")
     if triples is not None and handles is not None:
         raise FieldError("handles fix directions of single sheets: leave out the handles or the triples")
+
+
+def _terms(triples: Triples | None, levels: int) -> list[ZeroSum | None]:
+    """What keeps sheets apart at each smoothness, if anything does; it falls with lambda."""
+    return [None if triples is None else ZeroSum(triples, each) for each in falling_weights(levels)]
 
 
 def _projections(
