@@ -1,30 +1,40 @@
-"""Draw the pictures of docs/making.md: a strip, a page, the guide, as the commands write them.
+"""Draw the pictures of docs/making.md: a strip, a page, the guide, the viewer, as the commands write them.
 
     python scripts/making_pictures.py
 
 A tube of sixteen ribbons with a hoop at both ends is woven, cut for A4 and drawn from the files that a maker
-gets. Needs pypdfium2, playwright and Chromium, Chrome or Edge, as the tests of pages do.
+gets; the viewer shows a bunny of eighty ribbons at rest. Needs pypdfium2, playwright and Chromium, Chrome or
+Edge, and finds and starts them as the tests of pages do (tests/browser.py).
 """
 
 from __future__ import annotations
 
-import shutil
+import importlib
+import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
+from geoweave.checkout import repository
 from geoweave.fabrication import StripLayout
 from geoweave.models import shapes
-from geoweave.pipeline import CutRequest, cut_folder, write_weave
+from geoweave.pipeline import (
+    CutRequest,
+    MeshSource,
+    WeaveRequest,
+    cut_folder,
+    show_folder,
+    weave_file,
+    write_weave,
+)
 from geoweave.weave import weave_pattern
 
 TARGET = Path(__file__).resolve().parent.parent / "docs" / "making"
 
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge")
-
-FLAGS = ("--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+SCREEN = (1280, 800)
+"""Of the pages, pixels."""
 
 MM = 72 / 25.4
 """Points in a millimetre."""
@@ -59,36 +69,48 @@ def draw_pages(path: Path) -> None:
     saved(close.crop((int(3.2 * MM * 8), first - 12, int(3.2 * MM * 155), last + 12)), "strip.png")
 
 
+def shot(path: Path, name: str, still: str, *acts: str) -> None:
+    """A picture of a page after some acts, each of them when the page stands still."""
+    pages = importlib.import_module("browser")
+    with pages.browser() as running, pages.opened(running, path, SCREEN) as page:
+        page.wait(still)
+        for act in acts:
+            page.do(act)
+            page.wait(still)
+        saved(Image.fromarray(page.picture()), name)
+
+
 def draw_guide(path: Path) -> None:
-    """The guide after some steps, on a screen of 1280 x 800."""
-    from playwright.sync_api import sync_playwright
+    """The guide after some steps."""
+    shot(path, "guide.png", "guide.still()", f"guide.go({STEPS})")
 
-    browser = next(filter(None, map(shutil.which, BROWSERS)))
-    with sync_playwright() as play:
-        running = play.chromium.launch(executable_path=browser, args=list(FLAGS))
-        page = running.new_page(viewport={"width": 1280, "height": 800})
-        page.goto(path.as_uri())
-        page.wait_for_timeout(3_000)
-        for _ in range(STEPS):
-            page.keyboard.press("ArrowRight")
-        page.wait_for_timeout(4_000)
-        shot = path.with_suffix(".png")
-        page.screenshot(path=str(shot))
-        running.close()
-    saved(Image.open(shot), "guide.png")
 
+def draw_viewer(folder: Path) -> None:
+    """The viewer with a crossing of a bunny at rest, and the list of hard places open."""
+    request = WeaveRequest(ribbons=80, size=300.0, formats=("json",))
+    weave_file(MeshSource("bunny"), folder, request)
+    page = show_folder(folder).path
+    pick = f"viewer.select({{ kind: 'crossing', crossing: {CROSSING} }}, false)"
+    still = "window.viewer !== undefined && viewer.still()"
+    shot(page, "viewer.png", still, pick, "document.querySelector('#hard').open = true")
+
+
+CROSSING = 40
+"""That is picked in the viewer."""
 
 STEPS = 40
 """How far the guide is when its picture is taken."""
 
 
 def main() -> None:
-    """Write the three pictures."""
+    """Write the four pictures."""
+    sys.path.insert(0, str(repository() / "tests"))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / "tube"
         made(folder)
         draw_pages(folder / "pattern-a4.pdf")
         draw_guide(folder / "guide.html")
+        draw_viewer(Path(name) / "bunny")
 
 
 if __name__ == "__main__":

@@ -24,10 +24,16 @@ from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure, Spot
 from geoweave.fabrication.stroke_font import text_box
 from geoweave.files import replacing
 
-__all__ = ["MarkSeen", "read_svg", "svg_text", "write_svg"]
+__all__ = ["MarkSeen", "path_lines", "read_svg", "svg_text", "write_svg"]
 
-STEP = 0.01
-"""Of the corners of letters, mm."""
+STEP, FINE = 0.01, 0.001
+"""Of the corners of letters, and of those of guides and marks, mm."""
+
+FONT = ' font-family="Helvetica, Arial, sans-serif" text-anchor="middle"'
+"""What all printed texts of a layer have in common."""
+
+LINES, NUMBER = re.compile(r"M([^MlZ]*)(?:l([^MZ]*))?"), re.compile(r"-?\d*\.?\d+")
+"""A subpath: places, then steps from the last of them; and a number of it."""
 
 ROUND = MARKS.index("disc")
 """The mark that is a circle."""
@@ -78,7 +84,9 @@ def svg_text(
         if not count:
             continue
         usual = count.most_common(1)[0][0]
-        lines.append(f'<g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}"{_stroke(*usual)}>')
+        printed = any(each.text and each.printed for _, looks in drawn for each, _ in looks)
+        shared = _stroke(*usual) + FONT * printed
+        lines.append(f'<g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}"{shared}>')
         for piece, looks in drawn:
             if looks:
                 said = _said(pattern, piece) if layer == "cut" else ""
@@ -146,7 +154,11 @@ def _element(figure: Figure, look: Ink, usual: tuple[str | None, float], height:
         size = spot.size if figure.role == "hole" else DISC * spot.size
         x, y, radius = (_number(each) for each in (spot.x, height - spot.y, size))
         return f'<circle {" ".join(fields)} cx="{x}" cy="{y}" r="{radius}"/>'
-    data = _relative(figure, height) if figure.text else _absolute(figure, height)
+    if figure.text:
+        data = _relative(figure, height, STEP)
+    else:
+        short = ROLES[figure.role] == "guide"
+        data = _relative(figure, height, FINE) if short else _absolute(figure, height)
     return f'<path {" ".join(fields)} d="{data}"/>'
 
 
@@ -158,20 +170,34 @@ def _absolute(figure: Figure, height: float) -> str:
     )
 
 
-def _relative(figure: Figure, height: float) -> str:
-    """Strokes of letters, each from its first point on by steps of `STEP`, which add up without an error."""
+def _relative(figure: Figure, height: float, step: float) -> str:
+    """Lines, each from its first point on by differences in whole steps, which add up without an error."""
     found = []
     for path in figure.paths:
-        points = np.rint(path * [1.0, -1.0] / STEP + [0.0, height / STEP]).astype(np.int64)
-        steps = np.diff(points, axis=0).tolist()
+        points = np.rint(path * [1.0, -1.0] / step + [0.0, height / step]).astype(np.int64)
+        ahead = np.diff(points, axis=0).tolist()
         x, y = points[0].tolist()
-        found.append(f"M{_steps(x)},{_steps(y)}l" + " ".join(f"{_steps(u)},{_steps(v)}" for u, v in steps))
+        rest = " ".join(f"{_steps(u, step)},{_steps(v, step)}" for u, v in ahead)
+        found.append(f"M{_steps(x, step)},{_steps(y, step)}l{rest}" + "Z" * figure.closed)
     return "".join(found)
 
 
-def _steps(count: int) -> str:
-    """So many steps of `STEP` in mm, as short as it goes."""
-    return f"{count * STEP:.2f}".rstrip("0").rstrip(".").replace("0.", ".", 1 if abs(count * STEP) < 1 else 0)
+def _steps(count: int, step: float) -> str:
+    """So many steps in mm, as short as it goes."""
+    text = _number(count * step)
+    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
+
+
+def path_lines(data: str) -> list[NDArray[np.float64]]:
+    """The lines of a path as it is written here, (P, 2) each, y as in the file."""
+    found = []
+    for places, steps in LINES.findall(data):
+        points = np.array(NUMBER.findall(places), dtype=np.float64).reshape(-1, 2)
+        if steps:
+            ahead = np.array(NUMBER.findall(steps), dtype=np.float64).reshape(-1, 2)
+            points = np.concatenate([points, points[-1] + np.cumsum(ahead, axis=0)])
+        found.append(points)
+    return found
 
 
 def _printed(figure: Figure, spot: Spot, look: Ink, height: float) -> str:
@@ -182,8 +208,7 @@ def _printed(figure: Figure, spot: Spot, look: Ink, height: float) -> str:
     crossing = f' data-crossing="{figure.crossing}"' if figure.crossing >= 0 else ""
     return (
         f'<text class="{figure.role}" x="{x}" y="{y}" dy="{_number(0.5 * spot.size)}"{turn}{crossing} '
-        f'font-family="Helvetica, Arial, sans-serif" font-size="{_number(spot.size / CAPITAL)}" '
-        f'text-anchor="middle" textLength="{_number(box.right - box.left)}" '
+        f'font-size="{_number(spot.size / CAPITAL)}" textLength="{_number(box.right - box.left)}" '
         f'lengthAdjust="spacingAndGlyphs" stroke="none" fill="{look.stroke}">{escape(figure.text)}</text>'
     )
 
@@ -266,7 +291,7 @@ def read_svg(path: str | PathLike[str]) -> tuple[dict[str, float], tuple[MarkSee
             role = each.get("class", "")
             if role not in ("outline", "hollow", "solid"):
                 continue
-            points = np.array(re.findall(r"-?[0-9.]+", each.get("d", "")), dtype=np.float64).reshape(-1, 2)
+            points = np.concatenate([*path_lines(each.get("d", "")), np.zeros((0, 2))])
             if layer == "cut":
                 lengths[strip] = lengths.get(strip, 0.0) + _strip_length(points)
             else:

@@ -8,7 +8,6 @@ that goes under there are two more, further in. Over and under are the two kinds
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
 from pathlib import Path
@@ -22,11 +21,9 @@ from geoweave.errors import FieldError
 from geoweave.fabrication.marks import MARKS, assigned, outline
 from geoweave.fabrication.pattern import Pattern, Strip
 from geoweave.fabrication.strip_drawing import inset_of
+from geoweave.fabrication.svg import path_lines
 
 __all__ = ["SvgPattern", "pattern_of_svg"]
-
-LINES = re.compile(r"M([^MZ]*)")
-NUMBER = re.compile(r"-?[0-9.]+")
 
 MADE = "'geoweave cut --formats svg'"
 
@@ -169,8 +166,8 @@ def _finite(text: str) -> float:
 
 def _lines(element: ElementTree.Element) -> Iterator[NDArray[np.float64]]:
     """The lines of a path, y upwards."""
-    for text in LINES.findall(element.get("d", "")):
-        yield np.array(NUMBER.findall(text), dtype=np.float64).reshape(-1, 2) * [1.0, -1.0]
+    for points in path_lines(element.get("d", "")):
+        yield points * [1.0, -1.0]
 
 
 def _part(group: ElementTree.Element, sheet: Sheet, name: str) -> tuple[int, Part, float]:
