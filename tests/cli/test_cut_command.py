@@ -16,7 +16,7 @@ import pytest
 from laidflat import circles, cone, flat
 
 from geoweave.cli import main
-from geoweave.fabrication.svg import read_svg
+from geoweave.fabrication.svg import path_lines, read_svg
 from geoweave.pipeline.weave_folder import write_weave
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -53,8 +53,8 @@ def paths(tree: ElementTree.Element, role: str) -> list[ElementTree.Element]:
 
 
 def box(element: ElementTree.Element) -> tuple[float, float, float, float]:
-    """Of a path of straight lines in absolute places."""
-    points = np.array(re.findall(r"-?[0-9.]+", element.get("d", "")), dtype=np.float64).reshape(-1, 2)
+    """Of a path of straight lines."""
+    points = np.concatenate(path_lines(element.get("d", "")))
     return (*points.min(axis=0).tolist(), *points.max(axis=0).tolist())
 
 
@@ -198,7 +198,7 @@ def test_mirror_turns_the_angles_and_not_the_letters(cut: Run, folder: Path) -> 
         left, top, _, bottom = box(outline[0])
         lines = {}
         for each in paths(tree, "under"):
-            start = np.array(re.findall(r"-?[0-9.]+", each.get("d", "")), dtype=np.float64).reshape(-1, 2)
+            start = path_lines(each.get("d", ""))[0]
             if top <= start[0, 1] <= bottom and left <= start[0, 0] <= left + 150:
                 way = start[1] - start[0]
                 lines[each.get("data-crossing")] = float(np.degrees(np.arctan2(-way[1], way[0])) % 180)
