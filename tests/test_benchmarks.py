@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks import imports
+from benchmarks import imports, nesting
 
 FOLDER = Path(imports.__file__).parent
 
@@ -25,3 +25,12 @@ def test_starting_is_measured_against_numpy() -> None:
     for row in rows[1:]:
         assert row["multiple"] == row["seconds"] / rows[0]["seconds"] > 0
         assert row["allowed"] == imports.ALLOWED[row["command"]]
+
+
+def test_rows_that_no_laying_can_do_without() -> None:
+    """Known answers: long pieces have rows of their own, and what is left of them is used."""
+    assert nesting.least_rows([6.0, 6.0, 6.0, 4.0], 10.0) == 3
+    assert nesting.least_rows([6.0] * 28, 10.0) == 28
+    assert nesting.least_rows([3.0] * 7, 10.0) == 3  # 2.1 rows by length
+    assert nesting.least_rows([7.0, 7.0, 4.0, 4.0, 4.0], 10.0) == 4
+    assert nesting.least_rows([], 10.0) == 0

@@ -51,6 +51,8 @@ class CutFiles:
     files: dict[str, Path]
     """Path of each file by its name."""
     seconds: dict[str, float]
+    at_rest: float | None = None
+    """Thickness for which the lengths at rest were found, mm, if the strips are thicker or thinner."""
 
     def document(self) -> dict[str, Any]:
         """All numbers, as ``geoweave cut --json`` prints them."""
@@ -61,6 +63,7 @@ class CutFiles:
             "request": self.request.document(),
             "strips_of": self.cut.source,
             "slipped": self.cut.slipped,
+            "thickness_at_rest": self.at_rest,
             **layout_numbers(self.layout),
             "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
             "files": [str(path) for path in self.files.values()],
@@ -127,7 +130,15 @@ def cut_folder(
     with timed(seconds, "write"):
         files = _write(target, source, jobs, before, cut, laid, wish)
     seconds["total"] = sum(seconds.values())
-    return CutFiles(source, wish, cut, laid, files, seconds)
+    return CutFiles(source, wish, cut, laid, files, seconds, _other_thickness(before, cut))
+
+
+def _other_thickness(report: Mapping[str, Any], cut: CutStrips) -> float | None:
+    """The thickness for which a weave was relaxed, if its strips are cut a tenth thicker or thinner."""
+    found = report.get("thickness")
+    if cut.space is None or not isinstance(found, int | float) or not 0 < found < math.inf:
+        return None
+    return float(found) if abs(math.log(cut.pattern.thickness / found)) > math.log(1.1) else None
 
 
 def _read(folder: Path, wish: CutRequest) -> dict[str, Mapping[str, Any]]:

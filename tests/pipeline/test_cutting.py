@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from laidflat import cone
 
 from geoweave.fabrication.pattern import Pattern
@@ -52,3 +53,16 @@ def test_a_verdict_on_other_strips_does_not_stay(tmp_path: Path) -> None:
         report = json.loads(made.files["report.json"].read_text())
         assert ("verdict" in report) == stays
         assert report["cut"]["smallest_text_mm"] is None or report["cut"]["smallest_text_mm"] >= 1.8
+
+
+def test_strips_of_another_thickness_than_at_rest_are_told(tmp_path: Path) -> None:
+    """The lengths at rest are those of strips as thick as they were woven."""
+    write_weave(cone(), tmp_path / "woven", relaxed=relaxed_weave(cone()))
+    woven = cone().thickness * cone().placement.scale
+    for factor, told in ((1.0, None), (1.05, None), (1.5, woven), (0.5, woven)):
+        wish = CutRequest(thickness=factor * woven, formats=("csv",))
+        made = cut_folder(tmp_path / "woven", tmp_path / f"cut{factor}", wish)
+        assert made.document()["thickness_at_rest"] == (None if told is None else pytest.approx(told))
+    write_weave(cone(), tmp_path / "designed")
+    made = cut_folder(tmp_path / "designed", request=CutRequest(thickness=2 * woven, formats=("csv",)))
+    assert made.at_rest is None
