@@ -46,7 +46,7 @@ class Page(NamedTuple):
     """The first paragraph."""
     body: str
     pictures: dict[str, bytes]
-    """PNG files by name."""
+    """PNG files by name, and pages with a view to be turned."""
 
 
 def build(root: Path, target: Path) -> list[Path]:
@@ -134,9 +134,9 @@ def _output(output: Any, name: str, pictures: dict[str, bytes]) -> str:
     data = output.get("data", {})
     said = str(data.get("text/plain", ""))
     if "image/png" not in data:
-        return _printed(said)
+        return _view(data.get("text/html", ""), name, pictures) or _printed(said)
     png = base64.b64decode(data["image/png"])
-    file = f"{name}-{len(pictures) + 1}.png"
+    file = f"{name}-{sum(each.endswith('.png') for each in pictures) + 1}.png"
     pictures[file] = png
     width, height = Image.open(io.BytesIO(png)).size
     alt = html.escape(_alt(said), quote=True)
@@ -144,6 +144,16 @@ def _output(output: Any, name: str, pictures: dict[str, bytes]) -> str:
         f'<figure><a href="images/{file}"><img src="images/{file}" alt="{alt}" width="{width}" '
         f'height="{height}" loading="lazy"></a></figure>'
     )
+
+
+def _view(markup: str, name: str, pictures: dict[str, bytes]) -> str:
+    """A view to be turned, as a page of its own that is loaded when it comes into sight; "" for other HTML."""
+    found = re.match(r'<iframe srcdoc="([^"]*)" title="([^"]*)"', markup)
+    if not found:
+        return ""
+    file = f"{name}-view-{sum(each.endswith('.html') for each in pictures) + 1}.html"
+    pictures[file] = html.unescape(found[1]).encode("utf-8")
+    return f'<figure><iframe class="view" src="images/{file}" title="{found[2]}" loading="lazy"></iframe></figure>'
 
 
 def _printed(text: str) -> str:
@@ -187,7 +197,7 @@ def _article(page: Page, before: Page | None, after: Page | None) -> str:
 
 def _card(root: Path, page: Page, fresh: Path) -> str:
     """A notebook on the index: its first figure, its heading, its question."""
-    picture = next(iter(page.pictures.values()), None)
+    picture = next((data for name, data in page.pictures.items() if name.endswith(".png")), None)
     drawn = [root / "figures" / f"{name}.png" for name in _published(root, page.name)]
     source: Any = next((path for path in drawn if path.is_file()), picture and io.BytesIO(picture))
     shown = ""

@@ -59,6 +59,7 @@ from .streamline_panels import (
 from .sweeps import Sweep as Sweep, sweep_chart as sweep_chart
 from .tables import whole as whole
 from .turnable import Turnable as Turnable, show as show
+from .turned_scene import Turned as Turned, turn as turn
 from .views import FROM_ABOVE as FROM_ABOVE, VIEWS as VIEWS, View as View
 from .weaves import (
     Woven as Woven,

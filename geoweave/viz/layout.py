@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from geoweave.errors import RenderError
 from geoweave.viz import style
 from geoweave.viz.picture import Picture, sheet
-from geoweave.viz.scene import Pixels
+from geoweave.viz.scene import Pixels, Scene
 
 SIDE, GAP, TITLE, SUBTITLE = 34, 50, 58, 40
 """Pixels of a full-width figure: its border, between panels, for each line of words under one."""
@@ -159,4 +159,5 @@ def gallery(
         [share * each for each in to_rgb(colour)] for colour in sorted(set(accents)) for share in SHADES
     ]
     maps = [*colormaps, ListedColormap(shades)] if accents else colormaps
-    return Picture(figure, alt or ", ".join(title for title, _ in words), tuple(maps))
+    turnable = tuple(each for each in scenes if isinstance(each, Scene))
+    return Picture(figure, alt or ", ".join(title for title, _ in words), tuple(maps), turnable)

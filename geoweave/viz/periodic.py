@@ -220,8 +220,9 @@ def periodic_gallery(
     200
     """
     foot = FOOT if any(panel.coloured or panel.dots for panel in panels) else 0
+    scenes = [panel.scene() for panel in panels]
     figure = grid(
-        [panel.scene() for panel in panels],
+        scenes,
         [(panel.title, panel.subtitle) for panel in panels],
         columns=columns,
         width=width,
@@ -236,7 +237,7 @@ def periodic_gallery(
     if any(panel.dislocations for panel in panels):
         # A few small dots would get no colour of their own in the palette of a PNG.
         maps.append(LinearSegmentedColormap.from_list("geoweave-marks", ["#8a5f10", MARK, "#ffe2a0"]))
-    return Picture(figure, described, tuple(maps))
+    return Picture(figure, described, tuple(maps), tuple(scenes))
 
 
 def _wheel_bar(figure: Figure, unit: float) -> None:

@@ -9,7 +9,7 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
@@ -21,6 +21,9 @@ from PIL import Image
 
 from geoweave.errors import RenderError
 from geoweave.viz import style
+
+if TYPE_CHECKING:
+    from geoweave.viz.scene import Scene
 
 COLOURS = 256
 """Colours in the palette of a published PNG; more do not show, and cost three times the bytes."""
@@ -41,11 +44,13 @@ class Picture:
     figure : matplotlib figure, at the resolution it is published in
     alt : one sentence that says what is to be seen, for those who cannot see it
     colormaps : maps shown as bars, whose steps the palette must hold
+    scenes : what is drawn in space, panel by panel, for `turn`
     """
 
     figure: Figure
     alt: str = ""
     colormaps: tuple[Colormap, ...] = ()
+    scenes: tuple[Scene, ...] = ()
 
     @cached_property
     def pixels(self) -> NDArray[np.uint8]:

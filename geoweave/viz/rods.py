@@ -129,8 +129,9 @@ def rod_gallery(
     >>> viz.rod_gallery([viz.Sprung(rods, surface, "a cone", view="cone")], width=200).alt
     'Ribbons as elastic rods: a cone'
     """
+    scenes = [panel.scene(scale) for panel in panels]
     figure = grid(
-        [panel.scene(scale) for panel in panels],
+        scenes,
         [(panel.title, panel.subtitle) for panel in panels],
         columns=columns,
         width=width,
@@ -141,7 +142,7 @@ def rod_gallery(
         with style.applied():
             colour_bars(figure, [scale])
     words = alt or "Ribbons as elastic rods: " + ", ".join(panel.title for panel in panels)
-    return Picture(figure, words, () if scale is None else (scale.colormap,))
+    return Picture(figure, words, () if scale is None else (scale.colormap,), tuple(scenes))
 
 
 def _at_points(rods: Rods, values: Scalars) -> Scalars:

@@ -60,6 +60,7 @@ class Scene:
     _actors: list[tuple[pv.PolyData, dict[str, Any]]] = field(default_factory=list)
     _points: list[Vectors] = field(default_factory=list)
     _placement: Similarity | None = None
+    _light: dict[int, tuple[pv.PolyData, float | None]] = field(default_factory=dict)
 
     # -- what is in it ----------------------------------------------------------------------------------
 
@@ -134,7 +135,8 @@ class Scene:
         plain = np.repeat(~np.isfinite(angles).all(axis=1), 3)
         turns = np.where(plain, 0.0, angles.ravel() / (2.0 * np.pi))
         soup.active_texture_coordinates = np.stack([turns, np.where(plain, 0.25, 0.75)], axis=1)
-        look: dict[str, Any] = {"texture": _wheel(colormap or style.cyclic(), colour), "color": "white"}
+        wheel = colormap or style.cyclic()
+        look: dict[str, Any] = {"texture": _wheel(wheel, colour), "color": "white", "wheel": wheel}
         look |= {"ambient": 0.30, "diffuse": 0.74, "specular": 0.08, "specular_power": 10.0, "occludes": True}
         self._actors.append((soup, look))
         self._points.append(placed)
@@ -161,6 +163,7 @@ class Scene:
             look = {"scalars": "values", "cmap": colormap or style.sequential(), "clim": limits}
         tubes = thread.tube(radius=radius / placement.scale, n_sides=8)
         look |= {"ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
+        self._light[len(self._actors)] = (thread, radius / placement.scale)
         self._actors.append((tubes, look))
 
     def add_segments(self, ends: Vectors, radius: float, colour: str = style.INK) -> None:
@@ -170,6 +173,7 @@ class Scene:
         lines = np.insert(np.arange(2 * count).reshape(-1, 2), 0, 2, axis=1).ravel()
         bars = pv.PolyData(placement.apply(ends.reshape(-1, 3)), lines=lines)
         look = {"color": colour, "ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
+        self._light[len(self._actors)] = (bars, radius / placement.scale)
         self._actors.append((bars.tube(radius=radius / placement.scale, n_sides=6), look))
 
     def add_arrows(self, points: Vectors, vectors: Vectors, colour: str) -> None:
@@ -224,6 +228,9 @@ class Scene:
         for colour in sorted(set(colours)):
             centres = placement.apply(points[np.array([each == colour for each in colours])])
             balls = pv.PolyData(centres).glyph(geom=ball, scale=False, orient=False)
+            coarse = pv.Sphere(radius=radius / placement.scale, theta_resolution=8, phi_resolution=6)
+            light = pv.PolyData(centres).glyph(geom=coarse, scale=False, orient=False)
+            self._light[len(self._actors)] = (light, None)
             self._actors.append((balls, {"color": colour, "ambient": 0.35, "diffuse": 0.7, "specular": 0.2}))
 
     def add_singularities(self, vertices: Vectors, indices: Indices, radius: float) -> None:
@@ -231,6 +238,25 @@ class Scene:
         marked = np.flatnonzero(indices)
         colours = [style.SOURCE if indices[v] > 0 else style.SADDLE for v in marked]
         self.add_dots(vertices[marked], radius, colours)
+
+    def light_actors(self) -> list[tuple[pv.PolyData, dict[str, Any], float | None]]:
+        """What is drawn and how it looks, with lines and the radius to draw them with in place of tubes."""
+        plain: tuple[pv.PolyData, float | None]
+        found = []
+        for k, (data, look) in enumerate(self._actors):
+            plain = (data, None)
+            data, radius = self._light.get(k, plain)
+            found.append((data, look, radius))
+        return found
+
+    @property
+    def framed(self) -> list[Vectors]:
+        """Points that the picture makes room for, as they are placed."""
+        return self._points
+
+    def placed(self, points: Vectors) -> Vectors:
+        """Put points where the renderer has them."""
+        return self._placed().apply(points)
 
     def _placed(self) -> Similarity:
         if self._placement is None:
@@ -356,7 +382,7 @@ def _shot(
     )
     plotter.background_color = style.GROUND
     for data, look in actors:
-        options = {name: value for name, value in look.items() if name != "occludes"}
+        options = {name: value for name, value in look.items() if name not in ("occludes", "wheel")}
         plotter.add_mesh(data, smooth_shading=True, show_scalar_bar=False, copy_mesh=False, **options)
     right, up, eye = camera.axes
     # A key light over the left shoulder, a soft fill from the right and from the eye, a weak rim from behind.

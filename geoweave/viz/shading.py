@@ -159,8 +159,9 @@ def shaded_gallery(
     >>> viz.shaded_gallery([panel], viz.factor_scale(0.5, 2.0), width=200).alt
     'Shaded surfaces: height'
     """
+    scenes = [panel.scene(scale) for panel in panels]
     figure = grid(
-        [panel.scene(scale) for panel in panels],
+        scenes,
         [(panel.title, panel.subtitle) for panel in panels],
         columns=columns,
         width=width,
@@ -171,7 +172,7 @@ def shaded_gallery(
     with style.applied():
         _foot(figure, scale, panels, width / style.WIDTH)
     described = alt or "Shaded surfaces: " + ", ".join(panel.title for panel in panels)
-    return Picture(figure, described, (scale.colormap,))
+    return Picture(figure, described, (scale.colormap,), tuple(scenes))
 
 
 def _foot(figure: Figure, scale: Scale, panels: Sequence[Shaded], unit: float) -> None:

@@ -59,6 +59,11 @@ class Panel:
         """(V,) the values of the faces averaged at the vertices, as they are shown."""
         return None if self.face_values is None else at_vertices(self.surface, self.face_values)
 
+    def scene(self) -> Scene:
+        """Build the scene by itself, with scales of its own."""
+        curl = None if self.face_values is None else curl_scale([self])
+        return panel_scene(self, None if self.curves is None else curvature_scale([self]), curl)
+
     @property
     def eye(self) -> View:
         """The view, looked up if it was named."""
@@ -147,8 +152,9 @@ def streamline_gallery(
     if any(panel.face_values is not None for panel in panels):
         curl = curl_scale(panels)
         scales.append(curl)
+    scenes = [panel_scene(panel, scale, curl, share) for panel in panels]
     figure = grid(
-        [panel_scene(panel, scale, curl, share) for panel in panels],
+        scenes,
         [(panel.title, panel.subtitle) for panel in panels],
         columns=columns,
         width=width,
@@ -159,7 +165,7 @@ def streamline_gallery(
     with style.applied():
         colour_bars(figure, scales)
     words = alt or "Streamlines on " + ", ".join(panel.title for panel in panels)
-    return Picture(figure, words, tuple(each.colormap for each in scales))
+    return Picture(figure, words, tuple(each.colormap for each in scales), tuple(scenes))
 
 
 def panel_scene(

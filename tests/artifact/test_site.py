@@ -104,7 +104,11 @@ def test_nothing_is_loaded_from_elsewhere(built: Path) -> None:
             assert "://" not in address
             assert not file or (built / file).is_file(), f"{name} leads to {address}"
             assert not place or place in page.ids
-        assert not {"script", "iframe", "object", "embed", "video"} & set(page.seen)
+        assert not {"script", "object", "embed", "video"} & set(page.seen)
+    for view in (built / "images").glob("*.html"):
+        text = view.read_text(encoding="utf-8")
+        assert "default-src 'none'" in text, "a view asks for nothing"
+        assert not re.search(r"\b(?:src|href)=", text)
     style = (built / "site.css").read_text(encoding="utf-8")
     assert re.findall(r"url\((.*?)\)", style) == ['"math.woff"']
     assert "@import" not in style
@@ -168,6 +172,13 @@ def test_what_a_notebook_may_hold() -> None:
     boxes = re.findall(r'<pre class="out" tabindex="0">(.*?)</pre>', page.body, re.S)
     assert boxes == ["&lt;b&gt;bold&lt;/b&gt;", "Traceback\nE: &lt;x&gt;", "&lt;Axes&gt;"]
     assert Reader(page.body).open == []
+    said = "<title>a &amp; b</title>"
+    view = f'<iframe srcdoc="{said.replace("&", "&amp;")}" title="a" style="x"></iframe>\n<p>words</p>'
+    code.outputs = [v4.new_output("execute_result", data={"text/plain": "Turned('a')", "text/html": view})]
+    page = site.page_of(notebook, "probe")
+    assert page.pictures == {"probe-view-1.html": said.encode()}
+    assert 'src="images/probe-view-1.html" title="a"' in page.body
+    assert "Turned" not in page.body
     with pytest.raises(NotebookError, match="lacks a part"):
         site.page_of(v4.new_notebook(cells=[v4.new_markdown_cell(r"$\frac{1}$")]), "probe")
 
