@@ -147,13 +147,14 @@ def _output(output: Any, name: str, pictures: dict[str, bytes]) -> str:
 
 
 def _view(markup: str, name: str, pictures: dict[str, bytes]) -> str:
-    """A view to be turned, as a page of its own that is loaded when it comes into sight; "" for other HTML."""
+    """A view to be turned, as a page of its own that is loaded when it is scrolled to; "" for other HTML."""
     found = re.match(r'<iframe srcdoc="([^"]*)" title="([^"]*)"', markup)
     if not found:
         return ""
     file = f"{name}-view-{sum(each.endswith('.html') for each in pictures) + 1}.html"
     pictures[file] = html.unescape(found[1]).encode("utf-8")
-    return f'<figure><iframe class="view" src="images/{file}" title="{found[2]}" loading="lazy"></iframe></figure>'
+    frame = f'<iframe class="view" src="images/{file}" title="{found[2]}" loading="lazy"></iframe>'
+    return f"<figure>{frame}</figure>"
 
 
 def _printed(text: str) -> str:
