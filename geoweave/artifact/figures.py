@@ -26,6 +26,7 @@ import nbformat
 
 from geoweave.artifact import claims, doctor, notebooks
 from geoweave.artifact.execution import Children, execute, interrupt_once
+from geoweave.artifact.notebook_links import write_links
 from geoweave.artifact.progress import Progress
 from geoweave.artifact.results import Result, summary
 from geoweave.checkout import repository
@@ -39,6 +40,7 @@ UNRELATED = frozenset(
         "viz/probe.py",
         "artifact/claims.py",
         "artifact/crate.py",
+        "artifact/notebook_links.py",
         "artifact/progress.py",
         "artifact/replay.py",
         "artifact/results.py",
@@ -177,6 +179,7 @@ def run(
 def refresh(names: Sequence[str] = (), jobs: int = 1, root: Path | None = None) -> list[Result]:
     """Execute stale notebooks of the default profile, and store all outputs in the checkout's notebooks."""
     root = repository() if root is None else root.resolve()
+    write_links(root)
     results = run(names, "default", jobs, root)
     for result in results:
         if result.state == "failed":

@@ -134,7 +134,9 @@ def _content(scene: Scene) -> dict[str, Any]:
     middle = 0.5 * (framed.min(axis=0) + framed.max(axis=0))
     if scene.focus is not None:
         middle = scene.placed(np.asarray(scene.focus[0], dtype=np.float64))
-    points = np.concatenate([data.points for data, *_ in (*solids, *threads)])
+    points = np.concatenate(
+        [data.points for data in [each[0] for each in solids] + [each[0] for each in threads]]
+    )
     reach = float(np.linalg.norm(points - middle, axis=1).max())
     total = sum(data.n_cells for data, _ in solids)
     faces = []

@@ -2,7 +2,9 @@
 
 import ast
 import base64
+import contextlib
 import importlib
+import io
 import re
 import tomllib
 from pathlib import Path
@@ -20,6 +22,8 @@ from geoweave.artifact.notebooks import NotebookError
 ROOT = Path(__file__).resolve().parents[2]
 NAMES = notebooks.names(ROOT)
 MOST_LINES = 80
+MOST_YOURS = 10
+LAST = ("turn", "yours")  # cells that are not part of the figure: its view, and the reader's own mesh
 MOST_BYTES = 1_500_000
 SHOWN = {"text/plain", "text/html", "text/markdown", "text/latex", "image/png"}
 DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
@@ -257,7 +261,9 @@ class TestEveryNotebook:
         assert not missing(code_of(name))
 
     def test_is_short(self, name: str) -> None:
-        lines = [line for source in code_of(name) for line in source.splitlines()]
+        cells = notebooks.code_cells(notebooks.read(ROOT / "notebooks" / f"{name}.ipynb"))
+        lines = [line for cell in cells if cell.id not in LAST for line in cell.source.splitlines()]
+        assert len(next(cell for cell in cells if cell.id == "yours").source.splitlines()) <= MOST_YOURS
         assert sum(bool(line.strip()) and not line.strip().startswith("#") for line in lines) <= MOST_LINES
         assert (ROOT / "notebooks" / f"{name}.ipynb").stat().st_size < MOST_BYTES
 
@@ -281,7 +287,43 @@ class TestEveryNotebook:
             )
 
     def test_ends_with_its_claims(self, name: str) -> None:
-        assert any(isinstance(node, ast.Assert) for node in ast.walk(ast.parse(code_of(name)[-1])))
+        assert any(isinstance(node, ast.Assert) for node in ast.walk(ast.parse(code_of(name)[-2])))
+
+    def test_has_one_view_to_be_turned(self, name: str) -> None:
+        cells = notebooks.code_cells(notebooks.read(ROOT / "notebooks" / f"{name}.ipynb"))
+        (cell,) = [cell for cell in cells if cell.id == "turn"]
+        call = ast.parse(cell.source).body[-1].value
+        assert ast.unparse(call.func) == "viz.turn", "the view is what the cell shows"
+        for output in cell.outputs:
+            assert "<iframe srcdoc=" in output.data["text/html"]
+            assert output.data["text/plain"].startswith("Turned(")
+
+    def test_ends_with_a_cell_for_a_mesh_of_ones_own(
+        self, name: str, tmp_path: Path, monkeypatch: Any
+    ) -> None:
+        """By default it does nothing; with a path it runs, on what the notebook imports and sets."""
+        *others, cell = notebooks.code_cells(notebooks.read(ROOT / "notebooks" / f"{name}.ipynb"))
+        assert cell.id == "yours"
+        assert cell.outputs == []
+        first = cell.source.splitlines()[0]
+        assert first.startswith('mine = ""')
+        nodes = [node for each in others for node in ast.walk(ast.parse(each.source))]
+        imports = [ast.unparse(node) for node in nodes if isinstance(node, (ast.Import, ast.ImportFrom))]
+        shown: list[Any] = []
+        space: dict[str, Any] = {"display": shown.append}
+        exec("\n".join([*imports, others[0].source]), space)
+        monkeypatch.setattr(geoweave.viz.Picture, "show", shown.append)
+        monkeypatch.chdir(tmp_path)
+        exec(cell.source, space)
+        assert not shown
+        geoweave.meshing.write_mesh(geoweave.shapes.cone(faces=400), "mine.obj")
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said):
+            exec(cell.source.replace(first, 'mine = "mine.obj"'), space)
+        assert shown or said.getvalue()
+        assert all(
+            len(each._repr_mimebundle_()["text/html"]) > 5000 for each in shown if hasattr(each, "page")
+        )
 
     def test_shows_nothing_of_the_machine(self, name: str) -> None:
         for cell in notebooks.code_cells(notebooks.read(ROOT / "notebooks" / f"{name}.ipynb")):
