@@ -82,7 +82,7 @@ def links(root: Path, name: str) -> str:
     differ = "; ".join(parts) or "no row of [DEVIATIONS.md](../DEVIATIONS.md) is about this"
     return (
         f"**Where next.** {' '.join(ways)} All of them: [reading order](README.md).\n\n"
-        f"**In the paper.** [Section {section}]({PAPER}). Where we differ: {differ}. What its claims came to: "
+        f"**In the paper.** [Section {section}]({PAPER}). Where we differ: {differ}. Its claims: "
         "[claim by claim](../docs/results.md#claim-by-claim)."
     )
 
