@@ -140,6 +140,7 @@ def foliate(
     alternations: int = 10,
     tolerance: float = 1e-4,
     hold_s: bool = False,
+    in_turns: bool = False,
     smoothness: float = SMOOTHNESS,
     seed: int = 0,
     ordering: Ordering | None = None,
@@ -170,8 +171,10 @@ def foliate(
         surface (F',) or of the whole one (F,); None for s = 1
     weighting, quantile : see above and `global_scale`
     alternations : how often theta and s are updated at most
-    tolerance : an alternation that lowers the energy by no more than this share of it is the last
+    tolerance : an alternation that lowers the energy by no more than this share of it is the last; if
+        negative, all are made
     hold_s : keep the first s and find theta alone
+    in_turns : as in the paper, theta and s in turns, without the step in both
     smoothness : mu of Eq. 8, in squared bounding radii
     seed : start of the first eigenvector iteration
     ordering : of `vertices_and_faces` on the punctured surface, with the places of the triples if they are
@@ -192,7 +195,7 @@ def foliate(
     >>> bool((np.diff(foliation.energies) <= 0).all()), len(gw.isolines(foliation)) > 2
     (True, True)
     """
-    _check(scale, alternations, weighting, hold_s and triples is not None)
+    _check(scale, alternations, weighting, (hold_s or in_turns) and triples is not None)
     w, part = punctured(field)
     coupled = None if triples is None else triples.on(part)
     ordering = ordering or vertices_and_faces(w.mesh, None if coupled is None else coupled.places)
@@ -203,7 +206,8 @@ def foliate(
     with one_blas_thread():
         if coupled is None:
             problem = Alternation(w, s, unit, mu, ordering)
-            found = _alternated(problem, problem.start(seed), s, alternations, tolerance, hold_s, callback)
+            kind: Steps = "theta" if hold_s else "turns" if in_turns else "joint"
+            found = _alternated(problem, problem.start(seed), s, alternations, tolerance, kind, callback)
         else:
             found = _regular(RegularSteps(w, s, unit, mu, ordering, coupled), s, seed, callback)
     circle = CircleFunction.nearest(w.mesh, found.theta, edge_prediction(w, found.s))
@@ -214,7 +218,7 @@ def foliate(
 
 def _check(scale: float, alternations: int, weighting: str, both: bool) -> None:
     if both:
-        raise FieldError("the phases of families cannot be coupled while s is held")
+        raise FieldError("the phases of families cannot be coupled while s is held, or in turns")
     if not (np.isfinite(scale) and scale > 0):
         raise FieldError(f"the scale of a foliation must be a positive number, not {scale}")
     if alternations < 1:
@@ -234,6 +238,10 @@ def _check_frequency(circle: CircleFunction, s: Scalars) -> None:
         )
 
 
+Steps = Literal["joint", "turns", "theta"]
+"""Of an alternation: in theta and s together, in one after the other, in theta alone."""
+
+
 @dataclass
 class _Course:
     """Where the alternation has come to, and how (`Foliation` says what the lists hold)."""
@@ -251,7 +259,7 @@ def _alternated(
     s: Scalars,
     alternations: int,
     tolerance: float,
-    hold_s: bool,
+    kind: Steps,
     callback: Callable[[int, float], None] | None,
 ) -> _Course:
     """Update theta and s in turns, from the eigenvector at the first s."""
@@ -264,11 +272,12 @@ def _alternated(
         if number > 1 and searching:
             z, theta = problem.eigenvector(z, theta, s)
             # Where it did not help once, theta has settled, and it does not help later either.
-            searching = theta is not old_theta
-        if hold_s:
+            searching = theta is not old_theta or kind == "turns"
+        if kind == "theta":
             theta = problem.improve_theta(theta, s)
-        else:
+        elif kind == "joint":
             theta, s = problem.improve_both(theta, s)
+        if kind != "theta":
             s = problem.improve_s(theta, s)
         course.theta, course.s = theta, s
         course.energies.append(problem.energy(theta, s))

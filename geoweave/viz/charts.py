@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,6 +82,7 @@ def alternation_chart(
     theta_changes: ArrayLike,
     s_changes: ArrayLike,
     *,
+    others: Mapping[str, ArrayLike] | None = None,
     mark: int = 10,
     width: int = 1500,
     height: int = 900,
@@ -93,6 +94,7 @@ def alternation_chart(
     ----------
     energies : (n + 1,) at the start and after each alternation
     theta_changes, s_changes : (n,) in each alternation; zeros are left out of the logarithmic axis
+    others : energies of other runs on the same scale, by what they are, dashed lines
     mark : the number of alternations that the paper finds sufficient, a thin line
 
     Raises
@@ -118,7 +120,14 @@ def alternation_chart(
         left = figure.add_axes((0.10, 0.125, 0.79, 0.83))
         right = left.twinx()
         right.spines["right"].set_visible(True)
-        left.plot(np.arange(count + 1), energy, color=style.BLUE, linewidth=3.2)
+        left.plot(np.arange(count + 1), energy, color=style.BLUE, linewidth=3.2, label="ours")
+        for (name, other), dashes in zip((others or {}).items(), ("--", ":", "-."), strict=False):
+            high = np.asarray(other, dtype=np.float64)
+            left.plot(
+                np.arange(len(high)), high, color=style.BLUE, linewidth=1.8, linestyle=dashes, label=name
+            )
+        if others:
+            left.legend(loc="upper center", labelcolor="linecolor")
         left.set_ylim(0.0, 1.08 * float(energy.max()))
         left.set_xlim(-0.01 * count, 1.01 * count)
         left.xaxis.set_major_locator(MaxNLocator(integer=True, steps=[1, 2, 5, 10]))

@@ -312,7 +312,7 @@ class TestEveryNotebook:
         shown: list[Any] = []
         space: dict[str, Any] = {"display": shown.append}
         exec("\n".join([*imports, others[0].source]), space)
-        monkeypatch.setattr(geoweave.viz.Picture, "show", shown.append)
+        monkeypatch.setattr(geoweave.viz.Picture, "show", lambda picture: shown.append(picture))
         monkeypatch.chdir(tmp_path)
         exec(cell.source, space)
         assert not shown

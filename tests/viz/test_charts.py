@@ -49,3 +49,16 @@ def test_the_chart_of_fronts_draws_every_choice() -> None:
     for bad in ([], [viz.Front("none", [], [])], [viz.Front("odd", [1.0], [1.0, 2.0])]):
         with pytest.raises(RenderError, match="two numbers for every choice"):
             viz.front_chart(bad)
+
+
+def test_other_runs_stand_beside_the_energy() -> None:
+    plain = viz.alternation_chart([9.0, 3.0, 2.0], [0.5, 0.1], [0.2, 0.1])
+    beside = viz.alternation_chart(
+        [9.0, 3.0, 2.0], [0.5, 0.1], [0.2, 0.1], others={"in turns": [9.0, 6.0, 4.0]}
+    )
+    (left, _), (before, _) = beside.figure.axes, plain.figure.axes
+    assert len(left.lines) == len(before.lines) + 1
+    (line,) = [each for each in left.lines if each.get_label() == "in turns"]
+    assert list(line.get_ydata()) == [9.0, 6.0, 4.0]
+    assert line.get_linestyle() == "--"
+    assert [text.get_text() for text in left.get_legend().get_texts()] == ["ours", "in turns"]
