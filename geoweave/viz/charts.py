@@ -121,10 +121,10 @@ def alternation_chart(
         right = left.twinx()
         right.spines["right"].set_visible(True)
         left.plot(np.arange(count + 1), energy, color=style.BLUE, linewidth=3.2, label="ours")
-        for (name, other), dashes in zip((others or {}).items(), ("--", ":", "-."), strict=False):
+        for (name, other), pattern in zip((others or {}).items(), ("--", ":", "-."), strict=False):
             high = np.asarray(other, dtype=np.float64)
             left.plot(
-                np.arange(len(high)), high, color=style.BLUE, linewidth=1.8, linestyle=dashes, label=name
+                np.arange(len(high)), high, color=style.BLUE, linewidth=1.8, linestyle=pattern, label=name
             )
         if others:
             left.legend(loc="upper center", labelcolor="linecolor")
