@@ -159,8 +159,7 @@ def foliate(
     over the faces i and their edges ab, c half the cotangent of the corner opposite.
 
     With ``weighting="uniform"`` shat is the mean of the first s on each component: Eq. 8 of the paper, but
-    for a constant. With "relative" it is the first s itself, so that a disagreement counts by its angle, as
-    much where level sets lie far apart as where they are dense (DEVIATIONS.md, weighting).
+    for a constant. With "relative" it is the first s: a disagreement counts by its angle (weighting).
 
     Parameters
     ----------
@@ -171,14 +170,11 @@ def foliate(
         surface (F',) or of the whole one (F,); None for s = 1
     weighting, quantile : see above and `global_scale`
     alternations : how often theta and s are updated at most
-    tolerance : an alternation that lowers the energy by no more than this share of it is the last; if
-        negative, all are made
-    hold_s : keep the first s and find theta alone
-    in_turns : as in the paper, theta and s in turns, without the step in both
+    tolerance : an alternation that lowers the energy by no more than this share is the last; none if negative
+    hold_s, in_turns : find theta alone, at the first s; update theta and s in turns, as the paper does
     smoothness : mu of Eq. 8, in squared bounding radii
     seed : start of the first eigenvector iteration
-    ordering : of `vertices_and_faces` on the punctured surface, with the places of the triples if they are
-        given, for several foliations of one field; made here if not given
+    ordering : of `vertices_and_faces` on the punctured surface, with the places of triples; made if not given
     callback : called with the number of each alternation and its energy
 
     Raises
