@@ -29,7 +29,7 @@ COLOURS = 256
 """Colours in the palette of a published PNG; more do not show, and cost three times the bytes."""
 
 
-INLINE_WIDTH, INLINE_BYTES = 1100, 300_000
+INLINE_WIDTH, INLINE_BYTES = 1100, 200_000
 """Pixels across, and size, of a picture within a notebook."""
 
 

@@ -241,15 +241,9 @@ class Scene:
 
     def light_actors(self) -> list[tuple[pv.PolyData, dict[str, Any], float | None]]:
         """What is drawn and how it looks, with lines and the radius to draw them with in place of tubes."""
-        plain: tuple[pv.PolyData, float | None]
-        found = []
-        for k, (data, look) in enumerate(self._actors):
-            plain = (data, None)
-            data, radius = self._light.get(k, plain)
-            found.append((data, look, radius))
-        return found
+        light = [self._light.get(k, (data, None)) for k, (data, _) in enumerate(self._actors)]
+        return [(data, look, radius) for (data, radius), (_, look) in zip(light, self._actors, strict=True)]
 
-    @property
     def framed(self) -> list[Vectors]:
         """Points that the picture makes room for, as they are placed."""
         return self._points

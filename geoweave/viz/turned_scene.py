@@ -52,15 +52,17 @@ class Turned:
     ----------
     scene : what is shown
     title : what it is, for those who cannot see it
+    detail : share of the triangles and points that a page holds otherwise
     """
 
     scene: Scene
     title: str
+    detail: float = 1.0
 
     @cached_property
     def page(self) -> str:
         """The page, which needs nothing but itself; same scene, same text."""
-        data = json.dumps(_content(self.scene), separators=(",", ":"), allow_nan=False)
+        data = json.dumps(_content(self.scene, self.detail), separators=(",", ":"), allow_nan=False)
         template = (PACKAGE / "viz" / "turn.html").read_text(encoding="utf-8")
         named = template.replace("@TITLE@", html.escape(self.title))
         return named.replace("@CONTENT@", data.replace("</", "<\\/"))
@@ -77,7 +79,7 @@ class Turned:
         }
 
 
-def turn(what: Picture | Scene | Staged, panel: int = 0, *, title: str = "") -> Turned:
+def turn(what: Picture | Scene | Staged, panel: int = 0, *, title: str = "", detail: float = 1.0) -> Turned:
     """Show a scene in a notebook, to be turned with the mouse, a finger or the arrow keys.
 
     Parameters
@@ -85,6 +87,7 @@ def turn(what: Picture | Scene | Staged, panel: int = 0, *, title: str = "") -> 
     what : a picture of scenes, of which one is turned; or a scene, or a panel of a gallery
     panel : which scene of the picture, from 0
     title : what it is, for those who cannot see it; by default what the picture says of itself
+    detail : share of the triangles and points of a page, for a notebook that holds much else
 
     Returns
     -------
@@ -112,17 +115,23 @@ def turn(what: Picture | Scene | Staged, panel: int = 0, *, title: str = "") -> 
                 f"the picture has {len(what.scenes)} scenes, there is no scene {panel}; "
                 "give a panel or a scene to turn"
             )
-        return Turned(what.scenes[panel], title or what.alt)
+        return Turned(what.scenes[panel], title or what.alt, detail)
     if isinstance(what, Scene):
-        return Turned(what, title or "a scene")
-    return Turned(what.scene(), title or str(getattr(what, "title", "")) or "a scene")
+        return Turned(what, title or "a scene", detail)
+    return Turned(what.scene(), title or str(getattr(what, "title", "")) or "a scene", detail)
 
 
-def _content(scene: Scene) -> dict[str, Any]:
-    """What the page knows: faces and lines, in units of the largest distance from the middle."""
+def _content(scene: Scene, detail: float) -> dict[str, Any]:
+    """What the page knows: faces and lines, in units of the largest distance from the middle.
+
+    A surface that others show through is left out: from another side it would hide them.
+    """
     solids: list[tuple[pv.PolyData, NDArray[np.uint8]]] = []
     threads: list[tuple[pv.PolyData, NDArray[np.uint8], float]] = []
     for data, look, radius in scene.light_actors():
+        # The dark edges of ribbons are lines of no thickness: a page has no place for so many.
+        if look.get("opacity", 1.0) < 1.0 or (radius is None and not len(data.faces)):
+            continue
         if radius is None:
             triangles = data.triangulate()
             solids.append((triangles, _colours(triangles, look)))
@@ -130,7 +139,7 @@ def _content(scene: Scene) -> dict[str, Any]:
             threads.append((data, _colours(data, look), radius))
     if not solids:
         raise RenderError("the scene holds no surface: add one before it is turned")
-    framed = np.concatenate(scene.framed)
+    framed = np.concatenate(scene.framed())
     middle = 0.5 * (framed.min(axis=0) + framed.max(axis=0))
     if scene.focus is not None:
         middle = scene.placed(np.asarray(scene.focus[0], dtype=np.float64))
@@ -141,7 +150,7 @@ def _content(scene: Scene) -> dict[str, Any]:
     total = sum(data.n_cells for data, _ in solids)
     faces = []
     for data, colours in solids:
-        thin, tint = _thinned(data, colours, FACES / total)
+        thin, tint = _thinned(data, colours, detail * FACES / total)
         # At most three points a triangle: two bytes count them.
         used, index = np.unique(thin.regular_faces, return_inverse=True)
         faces.append(
@@ -154,7 +163,7 @@ def _content(scene: Scene) -> dict[str, Any]:
     lines = []
     count = sum(data.n_points for data, *_ in threads)
     for data, colours, radius in threads:
-        order, counts = _fewer(data, POINTS / max(count, 1))
+        order, counts = _fewer(data, detail * POINTS / max(count, 1))
         lines.append(
             {
                 "points": _steps(data.points[order], middle, reach),

@@ -139,6 +139,18 @@ def test_ribbons_have_the_colours_of_their_picture() -> None:
     assert seen == {tuple(np.rint(255 * np.array(to_rgb(each))).astype(int).tolist()) for each in expected}
 
 
+def test_a_veil_is_left_out_and_detail_thins() -> None:
+    mesh = gw.shapes.sphere(faces=5120)
+    scene = Scene()
+    scene.add_surface(mesh, opacity=0.3)
+    with pytest.raises(RenderError, match="no surface"):
+        turn(scene).page  # noqa: B018
+    scene.add_surface(mesh)
+    assert len(content(turn(scene))["faces"]) == 1
+    (thin,) = content(turn(scene, detail=0.1))["faces"]
+    assert len(numbers(thin["faces"], "<u2")) / 3 <= 0.101 * FACES
+
+
 def test_a_browser_turns_it(chromium: Any, tmp_path: Path) -> None:
     file = tmp_path / "cell.html"
     text = turn(ball())._repr_mimebundle_()["text/html"]
