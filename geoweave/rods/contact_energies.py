@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from geoweave.arrays import Indices, Scalars, Vectors, cross, frozen
-from geoweave.rods.elastic_energies import Table, Term, hat, outer, point_unknowns, twice
+from geoweave.rods.compiled_stencils import director_blocks
+from geoweave.rods.elastic_energies import Table, Term, hat, point_unknowns
 from geoweave.rods.rods import Rods
 
 __all__ = ["ORIENTATION", "SIDE", "contact_orientation", "contact_position", "contact_side"]
@@ -38,24 +39,11 @@ def _director_derivative(rods: Rods, segments: Indices) -> Table:
     return np.concatenate([-tilt, tilt, rods.across[segments][:, :, None]], axis=2)
 
 
-def _director_curvature(rods: Rods, segments: Indices, vectors: Vectors) -> Table:
-    """(C, 7, 7) second derivative of ``v . tau`` by the start, the end and the angle of its segment."""
-    t, tau, across = rods.tangents[segments], rods.directors[segments], rods.across[segments]
-    length = rods.lengths[segments][:, None, None]
-
-    def along(direction: Vectors) -> Table:
-        return (vectors * direction).sum(axis=1)[:, None, None]
-
-    edge = along(t) * twice(tau, t) - along(tau) * outer(tau, tau) - 0.5 * along(across) * twice(tau, across)
-    edge /= length**2
-    spin = -along(t) * across[:, :, None] / length
-    out = np.zeros((len(segments), 7, 7))
-    out[:, :3, :3] = out[:, 3:6, 3:6] = edge
-    out[:, :3, 3:6] = out[:, 3:6, :3] = -edge
-    out[:, :3, 6:], out[:, 3:6, 6:] = -spin, spin
-    out[:, 6:, :6] = out[:, :6, 6:].transpose(0, 2, 1)
-    out[:, 6, 6] = -along(tau)[:, 0, 0]
-    return out
+def _add_director_curvature(rods: Rods, segments: Indices, vectors: Vectors, own: Indices, out: Table) -> None:
+    """Add the second derivative of ``v . tau`` by the start, the end and the angle of its segment."""
+    director_blocks(
+        segments, rods.tangents, rods.directors, rods.across, rods.lengths, vectors, own, out
+    )
 
 
 OWN = (np.array([0, 1, 2, 3, 4, 5, 12]), np.array([6, 7, 8, 9, 10, 11, 13]))
@@ -103,7 +91,7 @@ def contact_position(rods: Rods, stiffness: float, apart: float | None = None) -
         out = np.zeros((len(pair), 14, 14))
         for k, sign in enumerate((1.0, -1.0)):
             pull = weight * sign * side[:, k][:, None] * weights[:, 3 * k : 3 * k + 3]
-            out[:, OWN[k][:, None], OWN[k]] = _director_curvature(rods, pair[:, k], pull)
+            _add_director_curvature(rods, pair[:, k], pull, OWN[k], out)
         return out
 
     return Term("contact position", _contact_unknowns(rods), residual, derivative, curvature)
@@ -152,8 +140,8 @@ def contact_orientation(rods: Rods, stiffness: float) -> Term:
         turn[1] = sign[:, :, None] * turn[1]
         mixed = -turn[0].transpose(0, 2, 1) @ hat(pull) @ turn[1]
         out = np.zeros((len(pair), 14, 14))
-        out[:, OWN[0][:, None], OWN[0]] = _director_curvature(rods, pair[:, 0], cross(two, pull))
-        out[:, OWN[1][:, None], OWN[1]] = _director_curvature(rods, pair[:, 1], sign * cross(pull, one))
+        _add_director_curvature(rods, pair[:, 0], cross(two, pull), OWN[0], out)
+        _add_director_curvature(rods, pair[:, 1], sign * cross(pull, one), OWN[1], out)
         out[:, OWN[0][:, None], OWN[1]] = mixed
         out[:, OWN[1][:, None], OWN[0]] = mixed.transpose(0, 2, 1)
         return out

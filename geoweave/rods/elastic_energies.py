@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from geoweave.arrays import Indices, Scalars, Vectors, cross, frozen
+from geoweave.rods.compiled_stencils import bending_blocks, twist_blocks
 from geoweave.rods.rods import Layout, Rods
 
 __all__ = [
@@ -28,11 +29,9 @@ __all__ = [
     "energy_density",
     "flatwise_bending",
     "hat",
-    "outer",
     "point_unknowns",
     "sliding",
     "stretching",
-    "twice",
     "twisting",
 ]
 
@@ -190,31 +189,11 @@ def _bending(name: str, layout: Layout, unknowns: Indices | None, *, flatwise: b
         return (weight(rods)[:, None] * out)[:, None, :]
 
     def curvature(rods: Rods, weights: Table) -> Table:
-        kb, chi = rods.binormals, rods.openness[:, None]
-        ta, tb = rods.tangents[a], rods.tangents[b]
-        la, lb = rods.lengths[a][:, None], rods.lengths[b][:, None]
-        frame = rods.across if flatwise else -rods.directors
-        turned = -(rods.directors if flatwise else rods.across)
-        middle = (frame[a] + frame[b]) / chi
-        mean = (ta + tb) / chi
-        bent = 0.5 * (kb * (frame[a] + frame[b])).sum(axis=1)
-        both = 2.0 * bent[:, None, None] * outer(mean, mean)
-        left, right = cross(tb, middle), cross(ta, middle)
-        flat = (bent[:, None] / chi)[:, :, None]
-        eye = np.eye(3)
-        aa = both - twice(left, mean) - flat * (eye - outer(ta, ta)) + 0.25 * twice(kb, frame[a])
-        bb = both + twice(right, mean) - flat * (eye - outer(tb, tb)) + 0.25 * twice(kb, frame[b])
-        ab = both - flat * (eye + outer(ta, tb)) - outer(left, mean) + outer(mean, right) - hat(middle)
-        out = np.zeros((len(a), 8, 8))
-        out[:, :3, :3], out[:, 3:6, 3:6] = aa / (la * la)[:, :, None], bb / (lb * lb)[:, :, None]
-        out[:, :3, 3:6] = ab / (la * lb)[:, :, None]
-        for k, side in enumerate((a, b)):
-            spin = turned[side]
-            half = 0.5 * (kb * spin).sum(axis=1, keepdims=True)
-            out[:, :3, 6 + k] = _square_part((cross(tb, spin) - half * tb) / chi, ta) / la
-            out[:, 3:6, 6 + k] = _square_part((cross(spin, ta) - half * ta) / chi, tb) / lb
-            out[:, 6 + k, 6 + k] = -0.5 * (kb * frame[side]).sum(axis=1)
-        return _joint_block(weights[:, 0] * weight(rods), out)
+        frame, turned = (rods.across, -rods.directors) if flatwise else (-rods.directors, -rods.across)
+        size = weights[:, 0] * weight(rods)
+        return bending_blocks(
+            layout.joints, rods.tangents, rods.lengths, rods.binormals, rods.openness, frame, turned, size
+        )
 
     return Term(
         name, _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative, curvature
@@ -239,30 +218,14 @@ def twisting(layout: Layout, unknowns: Indices | None = None) -> Term:
         return (weight(rods)[:, None] * out)[:, None, :]
 
     def curvature(rods: Rods, weights: Table) -> Table:
-        kb, chi = rods.binormals, rods.openness[:, None]
-        ta, tb = rods.tangents[a], rods.tangents[b]
-        la, lb = rods.lengths[a][:, None, None], rods.lengths[b][:, None, None]
-        mean = (ta + tb) / chi
-        out = np.zeros((len(a), 8, 8))
-        out[:, :3, :3] = -0.25 * twice(kb, ta + mean) / la**2
-        out[:, 3:6, 3:6] = -0.25 * twice(kb, tb + mean) / lb**2
-        out[:, :3, 3:6] = 0.5 * (2.0 * hat(ta / chi) - outer(kb, mean)) / (la * lb)
-        return _joint_block(weights[:, 0] * weight(rods), out)
+        size = weights[:, 0] * weight(rods)
+        return twist_blocks(
+            layout.joints, rods.tangents, rods.lengths, rods.binormals, rods.openness, size
+        )
 
     return Term(
         "twist", _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative, curvature
     )
-
-
-def outer(one: Vectors, two: Vectors) -> Table:
-    """(n, 3, 3) products ``one two'``."""
-    return one[:, :, None] * two[:, None, :]
-
-
-def twice(one: Vectors, two: Vectors) -> Table:
-    """(n, 3, 3) ``one two' + two one'``."""
-    product = outer(one, two)
-    return product + product.transpose(0, 2, 1)
 
 
 def hat(vectors: Vectors) -> Table:
@@ -272,21 +235,6 @@ def hat(vectors: Vectors) -> Table:
         y, z = (x + 1) % 3, (x + 2) % 3
         out[:, z, y], out[:, y, z] = vectors[:, x], -vectors[:, x]
     return out
-
-
-def _joint_block(size: Scalars, upper: Table) -> Table:
-    """(J, 11, 11) second derivative by vertices and angles, from that by two edges and angles.
-
-    ``upper`` (J, 8, 8) is symmetric on its diagonal blocks and empty below them.
-    """
-    full = upper.copy()
-    full[:, 3:6, :3] = upper[:, :3, 3:6].transpose(0, 2, 1)
-    full[:, 6:, :6] = upper[:, :6, 6:].transpose(0, 2, 1)
-    full *= size[:, None, None]
-    half = np.concatenate([-full[:, :3], full[:, :3] - full[:, 3:6], full[:, 3:6], full[:, 6:]], axis=1)
-    return np.concatenate(
-        [-half[:, :, :3], half[:, :, :3] - half[:, :, 3:6], half[:, :, 3:6], half[:, :, 6:]], axis=2
-    )
 
 
 # -- sliding --------------------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars
+from geoweave.rods.compiled_stencils import add_blocks, add_squares
 from geoweave.rods.elastic_energies import Table, Term
 from geoweave.sparse import cholesky, nested_dissection
 
@@ -25,42 +26,35 @@ class Pattern:
     size : number of unknowns
     free : (n,) unknowns that may change, in elimination order
     symbolic : analysis of the Cholesky factor
-    groups : unknowns of stencils, and the terms that share them
-    slots : place in the matrix of each local entry that is kept
-    kept : flags of local entries between free unknowns
+    groups : terms that share their unknowns, and the (n, k, k) place in the matrix of each of their local
+        entries, -1 for those that are not between free unknowns
+    diagonal : (n,) place of each diagonal entry
     indices, starts : columns and row starts of the matrix (CSR)
     """
 
     size: int
     free: Indices
     symbolic: cholesky.Symbolic
-    groups: tuple[tuple[Indices, tuple[int, ...]], ...]
-    slots: Indices
-    kept: Flags
+    groups: tuple[tuple[tuple[int, ...], Indices], ...]
+    diagonal: Indices
     indices: Indices
     starts: Indices
 
     def matrix(self, jacobians: Sequence[Table], curvatures: Sequence[Table | None]) -> sparse.csr_array:
         """Sum ``J' J`` and curvatures of all terms, on the free unknowns in elimination order."""
-        blocks = []
-        for _, members in self.groups:
-            local = np.concatenate([jacobians[m] for m in members], axis=1)
-            block = local.transpose(0, 2, 1) @ local
+        data = np.zeros(len(self.indices))
+        for members, slots in self.groups:
             for m in members:
+                add_squares(data, slots, jacobians[m])
                 extra = curvatures[m]
                 if extra is not None:
-                    block += extra
-            blocks.append(block.ravel())
-        blocks.append(np.zeros(self.size))  # the diagonal is part of the pattern even where no term has it
-        entries = np.concatenate(blocks)[self.kept]
-        data = np.bincount(self.slots, weights=entries, minlength=len(self.indices))
+                    add_blocks(data, slots, extra)
         return sparse.csr_array((data, self.indices, self.starts), shape=(len(self.free),) * 2)
 
     def shifted(self, matrix: sparse.csr_array, shift: Scalars) -> sparse.csr_array:
         """Add a diagonal (size,) to a matrix of this pattern."""
         data = matrix.data.copy()
-        # the last slots are those of the diagonal, in the order of the unknowns
-        data[self.slots[-len(self.free) :]] += shift[np.sort(self.free)]
+        data[self.diagonal] += shift[self.free]
         return sparse.csr_array((data, self.indices, self.starts), shape=matrix.shape)
 
 
@@ -91,14 +85,21 @@ def analysed(size: int, terms: Sequence[Term], fixed: Flags) -> Pattern:
     key, slots = np.unique(position[column] * n + position[row], return_inverse=True)
     starts = np.searchsorted(key, np.arange(n + 1) * n)
     indices, starts = (key % n).astype(np.int32), starts.astype(np.int32)
+    every = np.full(len(kept), -1, dtype=np.int64)
+    every[kept] = slots.ravel()
+    placed, begin = [], 0
+    for unknowns, members in groups:
+        n_local, k = unknowns.shape
+        end = begin + n_local * k * k
+        placed.append((tuple(members), every[begin:end].reshape(n_local, k, k)))
+        begin = end
     pattern = sparse.csr_array((np.ones(len(key)), indices, starts), shape=(n, n))
     return Pattern(
         size,
         free[order],
         cholesky.analysed(pattern, np.arange(n)),
-        tuple((unknowns, tuple(members)) for unknowns, members in groups),
-        slots.ravel(),
-        kept,
+        tuple(placed),
+        every[begin:][free[order]],
         indices,
         starts,
     )

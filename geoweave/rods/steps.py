@@ -17,6 +17,7 @@ from scipy.sparse import csgraph
 from geoweave.arrays import Flags, Indices, Scalars, Vectors, cross
 from geoweave.errors import FieldError, RodError
 from geoweave.rods import hessian
+from geoweave.rods.compiled_stencils import local_gradient
 from geoweave.rods.elastic_energies import Table, Term
 from geoweave.rods.hessian import Pattern
 from geoweave.rods.rods import Rods
@@ -194,12 +195,10 @@ class Problem:
 
     def pulled(self, jacobians: list[Table], residuals: list[Table]) -> list[Scalars]:
         """``J' r`` of each term."""
-        found = []
-        for term, jacobian, residual in zip(self.terms, jacobians, residuals, strict=True):
-            local = np.einsum("nr,nrk->nk", residual, jacobian)
-            own = np.bincount(term.unknowns.ravel(), local.ravel(), minlength=self.pattern.size)
-            found.append(own.astype(np.float64))
-        return found
+        return [
+            local_gradient(term.unknowns, jacobian, residual, self.pattern.size)
+            for term, jacobian, residual in zip(self.terms, jacobians, residuals, strict=True)
+        ]
 
     def linear(self, now: State, step: Scalars) -> list[Table]:
         """Predict the residuals after a step from their Jacobians."""
