@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.compiled import compiled
 
-__all__ = ["add_blocks", "add_squares", "bending_blocks", "director_blocks", "local_gradient", "twist_blocks"]
+__all__ = ["add_stencils", "bending_blocks", "director_blocks", "local_gradient", "twist_blocks"]
 
 Block: TypeAlias = NDArray[Any]
 """A table of stencils, or a row of one."""
@@ -138,7 +138,7 @@ def twist_blocks(
     openness: Scalars,
     size: Scalars,
 ) -> Block:
-    """(J, 11, 11) second derivatives of ``size m``, m the angle of twist, by vertices and angles of joints."""
+    """(J, 11, 11) second derivatives of ``size m``, m the angle of twist, as of `bending_blocks`."""
     out = np.zeros((len(joints), 11, 11))
     aa, bb, ab, mean = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
     for j in range(len(joints)):
@@ -199,14 +199,15 @@ def director_blocks(
 
 
 @compiled
-def add_squares(data: Scalars, slots: Indices, jacobian: Block) -> None:
-    """Add ``J' J`` of each stencil to the entries of a matrix.
+def add_stencils(data: Scalars, slots: Block, jacobian: Block, extra: Block) -> None:
+    """Add ``J' J``, and symmetric blocks, of each stencil to the entries of a matrix.
 
     Parameters
     ----------
     data : entries
     slots : (n, k, k) place of each local entry, -1 where it has none
     jacobian : (n, r, k)
+    extra : (n, k, k) what is added to ``J' J``; (0, k, k) for nothing
     """
     n, r, k = jacobian.shape
     for i in range(n):
@@ -214,24 +215,12 @@ def add_squares(data: Scalars, slots: Indices, jacobian: Block) -> None:
             for y in range(x + 1):
                 slot = slots[i, x, y]
                 if slot >= 0:
-                    total = 0.0
+                    total = extra[i, x, y] if len(extra) else 0.0
                     for row in range(r):
                         total += jacobian[i, row, x] * jacobian[i, row, y]
                     data[slot] += total
                     if x != y:
                         data[slots[i, y, x]] += total
-
-
-@compiled
-def add_blocks(data: Scalars, slots: Indices, blocks: Block) -> None:
-    """Add (n, k, k) blocks to the entries of a matrix, at the slots of `add_squares`."""
-    n, k, _ = blocks.shape
-    for i in range(n):
-        for x in range(k):
-            for y in range(k):
-                slot = slots[i, x, y]
-                if slot >= 0:
-                    data[slot] += blocks[i, x, y]
 
 
 @compiled

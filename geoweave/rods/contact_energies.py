@@ -39,11 +39,11 @@ def _director_derivative(rods: Rods, segments: Indices) -> Table:
     return np.concatenate([-tilt, tilt, rods.across[segments][:, :, None]], axis=2)
 
 
-def _add_director_curvature(rods: Rods, segments: Indices, vectors: Vectors, own: Indices, out: Table) -> None:
+def _add_director_curvature(
+    rods: Rods, segments: Indices, vectors: Vectors, own: Indices, out: Table
+) -> None:
     """Add the second derivative of ``v . tau`` by the start, the end and the angle of its segment."""
-    director_blocks(
-        segments, rods.tangents, rods.directors, rods.across, rods.lengths, vectors, own, out
-    )
+    director_blocks(segments, rods.tangents, rods.directors, rods.across, rods.lengths, vectors, own, out)
 
 
 OWN = (np.array([0, 1, 2, 3, 4, 5, 12]), np.array([6, 7, 8, 9, 10, 11, 13]))

@@ -219,9 +219,7 @@ def twisting(layout: Layout, unknowns: Indices | None = None) -> Term:
 
     def curvature(rods: Rods, weights: Table) -> Table:
         size = weights[:, 0] * weight(rods)
-        return twist_blocks(
-            layout.joints, rods.tangents, rods.lengths, rods.binormals, rods.openness, size
-        )
+        return twist_blocks(layout.joints, rods.tangents, rods.lengths, rods.binormals, rods.openness, size)
 
     return Term(
         "twist", _joint_unknowns(layout) if unknowns is None else unknowns, residual, derivative, curvature

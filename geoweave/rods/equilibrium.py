@@ -26,6 +26,10 @@ STIFFER, LESS_SHORT, MORE_SHORT = 30.0, 0.1, 10.0
 """Factors on the damping: after no step worked, after a long step, after a short one (`SHORT_STEP`)."""
 
 
+STALLED = 0.003
+"""Newton steps are tried too once a step lowered the energy by less than this share of it."""
+
+
 @dataclass(frozen=True)
 class Step:
     """One state of the iteration, as it is handed to a callback.
@@ -120,7 +124,7 @@ def minimized(
     now, share = problem.completed(problem.tried(rods)), 0.0
     history: list[Step] = []
     foreseen = [np.zeros_like(r) for r in now.residuals]
-    damping, shift, ending = DAMPING[1], NEWTON[1], ""
+    damping, shift, ending, level = DAMPING[1], NEWTON[1], "", 1.0
     with one_blas_thread():
         while True:
             history.append(Step(len(history), now.energies, now.relative, share))
@@ -132,8 +136,11 @@ def minimized(
             if len(history) > numbers.most_steps:
                 ending = f"after {numbers.most_steps} steps the forces do not balance yet"
                 break
+            if level <= numbers.level:
+                ending = f"a step lowered the energy by less than {numbers.level:g} of it"
+                break
             taken = None
-            if now.relative < NEAR and problem.is_foreseen(now, foreseen):
+            if (now.relative < NEAR or level < STALLED) and problem.is_foreseen(now, foreseen):
                 taken, shift = problem.newton(now, shift, foreseen, numbers)
             matrix = problem.matrix(now) if taken is None else None
             while matrix is not None and taken is None and damping <= DAMPING[2]:
@@ -153,5 +160,6 @@ def minimized(
             reached = taken.share * taken.whole
             linear = problem.linear(now, taken.step)
             foreseen = [f + reached * (r - f) for f, r in zip(foreseen, linear, strict=True)]
+            level = (now.energy - taken.trial.energy) / max(abs(now.energy), 1e-300)
             now, share = problem.completed(taken.trial), taken.share
     return Equilibrium(now.rods, now.relative <= numbers.tolerance, tuple(history), ending)

@@ -10,7 +10,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars
-from geoweave.rods.compiled_stencils import add_blocks, add_squares
+from geoweave.rods.compiled_stencils import add_stencils
 from geoweave.rods.elastic_energies import Table, Term
 from geoweave.sparse import cholesky, nested_dissection
 
@@ -44,11 +44,10 @@ class Pattern:
         """Sum ``J' J`` and curvatures of all terms, on the free unknowns in elimination order."""
         data = np.zeros(len(self.indices))
         for members, slots in self.groups:
-            for m in members:
-                add_squares(data, slots, jacobians[m])
-                extra = curvatures[m]
-                if extra is not None:
-                    add_blocks(data, slots, extra)
+            local = np.concatenate([jacobians[m] for m in members], axis=1)
+            given = [extra for m in members if (extra := curvatures[m]) is not None]
+            total = sum(given[1:], given[0]) if given else np.zeros((0, *slots.shape[1:]))
+            add_stencils(data, slots, local, total)
         return sparse.csr_array((data, self.indices, self.starts), shape=(len(self.free),) * 2)
 
     def shifted(self, matrix: sparse.csr_array, shift: Scalars) -> sparse.csr_array:
@@ -62,7 +61,7 @@ def analysed(size: int, terms: Sequence[Term], fixed: Flags) -> Pattern:
     """Analyse the pattern of the terms' matrix once: nested dissection, and a slot for each local entry."""
     groups: list[tuple[Indices, list[int]]] = []
     for number, term in enumerate(terms):
-        same = [members for unknowns, members in groups if unknowns is term.unknowns]
+        same = [members for unknowns, members in groups if np.array_equal(unknowns, term.unknowns)]
         if same:
             same[0].append(number)
         else:
@@ -85,7 +84,7 @@ def analysed(size: int, terms: Sequence[Term], fixed: Flags) -> Pattern:
     key, slots = np.unique(position[column] * n + position[row], return_inverse=True)
     starts = np.searchsorted(key, np.arange(n + 1) * n)
     indices, starts = (key % n).astype(np.int32), starts.astype(np.int32)
-    every = np.full(len(kept), -1, dtype=np.int64)
+    every = np.full(len(kept), -1, dtype=np.int32)
     every[kept] = slots.ravel()
     placed, begin = [], 0
     for unknowns, members in groups:

@@ -66,6 +66,9 @@ SLID = 1e-3
 ROUGHLY = 1e-2
 """Tolerance of all rounds of sliding but the last."""
 
+LEVEL = 1e-4
+"""All rounds but the last end too when a step lowers the energy by less than this share of it."""
+
 STILL = 1e-3
 """When no vertex moved by more than this share of a segment, one more round of sliding is the last."""
 
@@ -133,7 +136,7 @@ def slide_rods(
     if rounds < 1:
         raise RodError(f"sliding takes one round or more, not {rounds}")
     numbers = stepping or Stepping(tolerance=SLID)
-    rough = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY))
+    rough = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY), level=max(numbers.level, LEVEL))
     way = _Sliding(rods, surface, springs or Springs(), _held(rods, fixed), callback)
     current, holding = rods, outermost(rods)
     steps: list[Step] = []
