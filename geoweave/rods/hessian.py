@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
@@ -15,6 +17,10 @@ from geoweave.rods.elastic_energies import Table, Term
 from geoweave.sparse import cholesky, nested_dissection
 
 __all__ = ["Pattern", "analysed"]
+
+
+Slots: TypeAlias = NDArray[np.int32]
+"""Places among the entries of a matrix."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +41,8 @@ class Pattern:
     size: int
     free: Indices
     symbolic: cholesky.Symbolic
-    groups: tuple[tuple[tuple[int, ...], Indices], ...]
-    diagonal: Indices
+    groups: tuple[tuple[tuple[int, ...], Slots], ...]
+    diagonal: Slots
     indices: Indices
     starts: Indices
 
@@ -86,7 +92,8 @@ def analysed(size: int, terms: Sequence[Term], fixed: Flags) -> Pattern:
     indices, starts = (key % n).astype(np.int32), starts.astype(np.int32)
     every = np.full(len(kept), -1, dtype=np.int32)
     every[kept] = slots.ravel()
-    placed, begin = [], 0
+    placed: list[tuple[tuple[int, ...], Slots]] = []
+    begin = 0
     for unknowns, members in groups:
         n_local, k = unknowns.shape
         end = begin + n_local * k * k
