@@ -175,7 +175,7 @@ def test_newton_steps_save_steps():
     assert len(newton.steps) < len(gauss.steps)
     assert sum(newton.energies.values()) == pytest.approx(sum(gauss.energies.values()), rel=1e-9)
     before, last = (step.gradient for step in newton.steps[-2:])
-    assert last < 1e-2 * before  # Gauss-Newton alone gains a constant factor
+    assert last < 0.05 * before  # Gauss-Newton alone gains a factor near one; damping falls by four a step
 
 
 def test_a_pattern_is_used_again():
