@@ -136,7 +136,7 @@ def minimized(
             if len(history) > numbers.most_steps:
                 ending = f"after {numbers.most_steps} steps the forces do not balance yet"
                 break
-            if 0 < numbers.level and level <= numbers.level:
+            if numbers.level > 0 and level <= numbers.level:
                 ending = f"a step lowered the energy by less than {numbers.level:g} of it"
                 break
             taken = None
