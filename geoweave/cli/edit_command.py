@@ -17,6 +17,7 @@ NAMES = {
     "total_length": ("length", "{:.5g}"),
     "spacing": ("spacing", "{:.4g}"),
     "alternation.fraction": ("alternation", "{:.1%}"),
+    "pattern.fraction": ("pattern met", "{:.1%}"),
     "crossing_angle_deg.smallest": ("smallest angle", "{:.1f} degrees"),
     "regularity.piled": ("piled", "{:.1%}"),
     "regularity.phase_order": ("order of the phase", "{:.2f}"),

@@ -29,14 +29,19 @@ if TYPE_CHECKING:
     from geoweave.pipeline import MeshSource, WeaveRequest, WovenFiles
     from geoweave.rods import StripKind
     from geoweave.surface import MirrorAxis
-    from geoweave.weave import Inspection, Phase, Regularity
+    from geoweave.weave import Inspection, Phase, Regularity, WeaveType
 
 OPTIONS = (
     click.option(
         "--symmetry",
         type=click.IntRange(min=3),
-        default=6,
-        help="Vectors of the RoSy: 6 weaves triaxially (6).",
+        help="Vectors of the RoSy: 6 weaves triaxially, 4 two families (6; 4 with a --pattern of those).",
+    ),
+    click.option(
+        "--pattern",
+        type=click.Choice(["kagome", "plain", "twill", "basket"]),
+        help="kagome: three families in turn over and under (default with --symmetry 6); plain: two (default "
+        "otherwise); twill, basket: two, over two and under two, shifted by one or in blocks.",
     ),
     click.option(
         "--phase",
@@ -112,7 +117,8 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
     @wraps(command)
     def bundled(
         *arguments: Any,
-        symmetry: int,
+        symmetry: int | None,
+        pattern: WeaveType | None,
         phase: Phase | None,
         ribbons: int | None,
         scale: float | None,
@@ -133,11 +139,15 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             raise click.UsageError("--ribbons and --scale exclude each other; give one of them")
         from geoweave.errors import FieldError
         from geoweave.pipeline import WeaveRequest, formats_of
-        from geoweave.weave import phase_of, read_guide, read_singularities
+        from geoweave.weave import phase_of, read_guide, read_singularities, weave_type_of
 
         names = tuple(name.strip().lower() for name in formats.split(","))
         try:
-            phase_of(symmetry, phase)
+            families = weave_type_of(symmetry, pattern)[0]
+        except FieldError as error:
+            raise click.UsageError(f"{error}, with --pattern and --symmetry") from error
+        try:
+            phase_of(families, phase)
         except FieldError as error:
             raise click.UsageError(f"{error}, with --phase and --symmetry") from error
         try:
@@ -146,7 +156,8 @@ def weave_options(command: Callable[..., None]) -> Callable[..., None]:
             raise click.UsageError(f"{error}, with --size") from error
         given = click.get_current_context().get_parameter_source("formats")
         request = WeaveRequest(
-            symmetry=symmetry,
+            symmetry=families,
+            pattern=pattern,
             phase=phase,
             ribbons=ribbons,
             scale=scale,
@@ -225,7 +236,7 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
         ("crossings", text_of(result["crossings"])),
         ("angle", f"{angle['median']:.1f} degrees in the median, 95 % above {angle['p05']:.1f}"),
         ("smallest angle", f"{angle['smallest']:.1f} degrees"),
-        ("alternation", _alternation(result["alternation"])),
+        _alternation(result["pattern"]),
         *_regularity(report.regularity, result["symmetry"]),
         ("loose ends", text_of(result["loose_ends"])),
     ]
@@ -316,12 +327,16 @@ def _places(number: int) -> str:
     return "one crossing" if number == 1 else f"{number} crossings"
 
 
-def _alternation(turns: dict[str, Any]) -> str:
-    """How often ribbons change sides, and whether more often is possible."""
-    said = f"{turns['fraction']:.1%} of neighbours; at most {turns['optimal_fraction_bound']:.1%}"
-    if turns["proven"]:
-        return said
-    return f"{said} (not proven to be out of reach: the effort was used up)"
+def _alternation(pattern: dict[str, Any]) -> tuple[str, str]:
+    """How often ribbons do as the pattern asks, and whether more often is possible."""
+    share, most = f"{pattern['fraction']:.1%}", f"at most {pattern['optimal_fraction_bound']:.1%}"
+    if pattern["name"] in ("twill", "basket"):
+        said = f"{share} of {pattern['relations']:,} rules of over two, under two are met; {most}"
+        return pattern["name"], said if pattern["proven"] else f"{said}, which need not be in reach"
+    said = f"{share} of neighbours; {most}"
+    if not pattern["proven"]:
+        said += " (not proven to be out of reach: the effort was used up)"
+    return "alternation", said
 
 
 def _rest(relax: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:

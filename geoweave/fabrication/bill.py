@@ -110,7 +110,7 @@ def _difficulty(pattern: Pattern) -> tuple[str, list[str]]:
     harder = []
     if crowded > CROWDED:
         harder.append(f"{crowded:.0%} of neighbouring crossings are nearer than the strips are wide")
-    if crossings and cut.alternation < TURNS:
+    if crossings and not pattern.floating and cut.alternation < TURNS:
         harder.append(f"a strip changes sides at only {cut.alternation:.0%} of its crossings")
     if pattern.width < NARROW:
         harder.append(f"strips only {pattern.width:.3g} mm wide")

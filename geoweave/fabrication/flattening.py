@@ -17,7 +17,7 @@ from geoweave.errors import FieldError
 from geoweave.fabrication.crossing_order import reordered_crossings
 from geoweave.fabrication.marks import assigned
 from geoweave.fabrication.pattern import Pattern, Strip, openings_said
-from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION, FlatCurve
+from geoweave.weave import FLOATING, WEAVE_FORMAT, WEAVE_VERSION, FlatCurve
 
 __all__ = ["FREE_END", "WeaveLike", "bow_and_turning", "free_end", "pattern_of", "trimmed", "weave_document"]
 
@@ -255,6 +255,7 @@ def _flattened(document: Mapping[str, Any], ends: Sequence[tuple[float, float]])
         mark,
         again,
         reordered_crossings(document),
+        document.get("metrics", {}).get("pattern", {}).get("name") in FLOATING,
     )
 
 

@@ -30,6 +30,7 @@ FORMAT, VERSION = "geoweave-pattern", 1
 
 
 SHAPE = documents.entries(
+    {"floating": documents.flag()},
     width=documents.number(above=0),
     thickness=documents.number(above=0),
     strips=documents.each(
@@ -130,6 +131,7 @@ class Pattern:
     round : (C,) 0 unless the two strips cross more often than there are marks
     reordered : where crossings follow each other in another order than in the design; nobody could weave such
         strips as they were designed, so they are not written, and their file does not say it
+    floating : whether strips are meant to pass over two others in a row, as in a twill and a basket
 
     Raises
     ------
@@ -159,13 +161,14 @@ class Pattern:
     mark: Indices
     round: Indices
     reordered: tuple[Reordered, ...] = ()
+    floating: bool = False
 
     def __post_init__(self) -> None:
         for name in ("width", "thickness"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise FieldError(f"the {name} of the strips must be a positive number of mm, not {value}")
-        for field in fields(self)[3:-1]:
+        for field in fields(self)[3:-2]:
             frozen(getattr(self, field.name))
         if self.ribbons.shape != self.at.shape or self.ribbons.shape != (len(self.angle), 2):
             raise FieldError(
@@ -222,6 +225,7 @@ class Pattern:
             "width": round(self.width, 4),
             "thickness": round(self.thickness, 4),
             "marks": list(MARKS),
+            **({"floating": True} if self.floating else {}),
             "strips": [
                 {
                     "id": r,
@@ -304,6 +308,7 @@ class Pattern:
                 np.array([each["over"] for each in met], dtype=np.int64),
                 np.array([MARKS.index(each["mark"]) for each in met], dtype=np.int64),
                 np.array([each["round"] for each in met], dtype=np.int64),
+                floating=bool(document.get("floating", False)),
             )
         except (KeyError, TypeError, ValueError, FieldError) as error:
             raise FieldError(f"{name}: an entry of the pattern is missing or wrong ({error})") from error

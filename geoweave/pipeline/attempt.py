@@ -217,6 +217,7 @@ def _designed(
         prepared.mesh,
         symmetry=request.symmetry,
         phase=request.phase,
+        pattern=request.pattern,
         scale=request.scale,
         ribbons=request.ribbons,
         seed=seed,

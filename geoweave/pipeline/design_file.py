@@ -18,7 +18,7 @@ from geoweave.curves import Crossings, Curves
 from geoweave.errors import FieldError, GeoweaveError
 from geoweave.files import Job
 from geoweave.surface import Similarity, TriMesh
-from geoweave.weave import Cutting, Design, Ribbons, Weave, interlacing
+from geoweave.weave import Cutting, Design, Ribbons, Weave, WeaveType, interlacing, weave_type_of
 
 __all__ = ["DESIGN_FILE", "design_job", "read_design"]
 
@@ -38,6 +38,7 @@ def design_job(weave: Weave) -> Job:
         "symmetry": design.symmetry,
         "scale": design.scale,
         "tried": [list(each) for each in design.tried],
+        "pattern": weave.interlacing.pattern,
         "bound": weave.interlacing.bound,
         "triples_proven": weave.interlacing.triples_proven,
         "spacing": ribbons.spacing,
@@ -92,6 +93,11 @@ def read_design(path: str | PathLike[str]) -> Weave:
         ) from error
 
 
+def _pattern(about: dict[str, Any]) -> WeaveType:
+    """The weave that is meant; files of earlier versions hold the default of their symmetry."""
+    return weave_type_of(int(about["symmetry"]), about.get("pattern"))[1]
+
+
 def _weave(held: dict[str, Any], about: dict[str, Any]) -> Weave:
     mesh = TriMesh(held["vertices"], held["triangles"])
     curves = Curves(mesh, *(held[f"curves_{name}"] for name in CURVES))
@@ -100,7 +106,7 @@ def _weave(held: dict[str, Any], about: dict[str, Any]) -> Weave:
         key: tuple(value) if isinstance(value, list) else value for key, value in about["cutting"].items()
     }
     ribbons = Ribbons(curves, crossings, frozen(held["origin"]), float(about["spacing"]), Cutting(**cutting))
-    judged = interlacing.judged(ribbons.passages, held["over"])
+    judged = interlacing.judged(ribbons.passages, held["over"], _pattern(about))
     names = about["kept_names"]
     return Weave(
         ribbons=ribbons,

@@ -28,6 +28,7 @@ COMPARED = (
     "total_length",
     "spacing",
     "alternation.fraction",
+    "pattern.fraction",
     "crossing_angle_deg.smallest",
     "regularity.piled",
     "regularity.phase_order",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, cast
 
 from geoweave.errors import FieldError
 from geoweave.pipeline.weave_folder import check_formats
@@ -13,7 +13,7 @@ from geoweave.pipeline.weave_folder import check_formats
 if TYPE_CHECKING:
     from geoweave.rods import StripKind
     from geoweave.surface import MirrorAxis
-    from geoweave.weave import Edits, Phase, Singularity
+    from geoweave.weave import Edits, Phase, Singularity, WeaveType
 
 __all__ = ["BOUNDS", "WeaveRequest", "formats_of"]
 
@@ -29,19 +29,24 @@ class WeaveRequest:
     ------
     FieldError
         If ``ribbons`` and ``scale`` are both given, a number is not positive or out of reach, or there is no
-        such phase for the symmetry.
+        such phase or pattern for the symmetry.
 
     Examples
     --------
     >>> gw.WeaveRequest(ribbons=40, size=300.0).symmetry
     6
+    >>> gw.WeaveRequest(pattern="twill").symmetry
+    4
     >>> gw.WeaveRequest(ribbons=40, scale=2.0)
     Traceback (most recent call last):
     geoweave.errors.FieldError: ribbons and scale exclude each other; give one of them
     """
 
-    symmetry: int = 6
-    """Vectors of the RoSy per face: 6 gives a triaxial weave."""
+    symmetry: int = cast("int", None)
+    """Vectors of the RoSy per face: 6 gives a triaxial weave, 4 two families. If not given, 4 with a pattern
+    of two families, else 6."""
+    pattern: WeaveType | None = None
+    """"kagome", the default with symmetry 6; "plain", the default otherwise; "twill" or "basket"."""
     phase: Phase | None = None
     """"regular" for triangles and hexagons, no three ribbons near a point, the default for symmetry 6; "free"
     for families that lie as they happen to."""
@@ -80,7 +85,9 @@ class WeaveRequest:
         if self.ribbons is not None and self.scale is not None:
             raise FieldError("ribbons and scale exclude each other; give one of them")
         from geoweave.rods import STRIPS
+        from geoweave.weave import weave_type_of
 
+        object.__setattr__(self, "symmetry", weave_type_of(self.symmetry, self.pattern)[0])
         if self.strips not in STRIPS:
             raise FieldError(f"there are no '{self.strips}' strips; cut them {', '.join(STRIPS)}")
         if self.strips != "straight" and not self.relax:

@@ -38,3 +38,9 @@ from .weave import (
     Design as Design,
     Weave as Weave,
 )
+from .weave_types import (
+    FLOATING as FLOATING,
+    WEAVE_TYPES as WEAVE_TYPES,
+    WeaveType as WeaveType,
+    weave_type_of as weave_type_of,
+)

@@ -26,11 +26,12 @@ from geoweave.weave import interlacing
 from geoweave.weave.as_asked import Met
 from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
 from geoweave.weave.phase import Phase, phase_of
-from geoweave.weave.ribbon_count import TRIES, nearest_scale
+from geoweave.weave.ribbon_count import TRIES, check_asked, nearest_scale
 from geoweave.weave.ribbons import Cutting, Ribbons, expected_number, ribbons
 from geoweave.weave.stages import Callback, Stages
 from geoweave.weave.steering import Steering, steered_rosy, steering_for, steering_met
 from geoweave.weave.weave import THINNESS, Design, Weave, default_width
+from geoweave.weave.weave_types import WeaveType, weave_type_of
 
 __all__ = ["MOST_CROSSINGS", "WeaveField", "weave_curves", "weave_field", "weave_pattern"]
 
@@ -108,12 +109,14 @@ class WeaveField:
         scale: float | None = None,
         ribbons: int | None = None,
         cutting: Cutting | None = None,
+        pattern: WeaveType | None = None,
         effort: int = interlacing.EFFORT,
         tries: int = TRIES,
         callback: Callback | None = None,
     ) -> Weave:
         """Design a weave of this field; see `weave_pattern`."""
-        _check(scale, ribbons)
+        check_asked(scale, ribbons)
+        meant = weave_type_of(self.symmetry, pattern)[1]
         stages = Stages(callback, self.seconds)
         tried: tuple[tuple[float, int], ...] = ()
         if ribbons is None:
@@ -131,7 +134,7 @@ class WeaveField:
             met=self.met,
             numerators=self.cover.rosy.index_numerators,
         )
-        weave = _interlaced(made.ribbons, made.families, design, self.placement, effort)
+        weave = _interlaced(made.ribbons, made.families, design, self.placement, effort, meant)
         stages.begin("")
         return weave
 
@@ -275,13 +278,14 @@ def weave_field(
 def weave_pattern(
     mesh: TriMesh,
     *,
-    symmetry: int = 6,
+    symmetry: int | None = None,
     phase: Phase | None = None,
     scale: float | None = None,
     ribbons: int | None = None,
     seed: int = 0,
     steering: Steering | None = None,
     cutting: Cutting | None = None,
+    pattern: WeaveType | None = None,
     effort: int = interlacing.EFFORT,
     tries: int = TRIES,
     callback: Callback | None = None,
@@ -296,7 +300,7 @@ def weave_pattern(
     Parameters
     ----------
     mesh : the surface, anywhere and of any size
-    symmetry : N, 3 or more; 6 for a triaxial weave
+    symmetry : N, 3 or more; 6, the default, for a triaxial weave, 4 for two families
     phase : "regular", the default for N = 6, or "free"; see `weave_field`
     scale : factor on the number of ribbons; 1 if nothing is asked for
     ribbons : how many ribbons there should be, in place of a scale: the nearest that `nearest_scale` meets.
@@ -304,6 +308,8 @@ def weave_pattern(
     seed : of the RoSy and of the first eigenvector
     steering : what is asked of the singularities
     cutting : the numbers of the clean-up of the ribbons
+    pattern : "kagome", the default for N = 6; "plain", the default otherwise; "twill" or "basket", of two
+        families, so that N is 4 without being given
     effort : counted steps after which the proof ends that no choice of over and under alternates more often,
         see `geoweave.weave.best_labels`; the best found then stays
     tries : how many scales are tried at most for a number of ribbons
@@ -322,31 +328,22 @@ def weave_pattern(
     >>> weave.interlacing.alternation > 0.8, gw.weave.violations(weave.ribbons)
     (True, [])
     """
-    _check(scale, ribbons)
+    check_asked(scale, ribbons)
+    symmetry, pattern = weave_type_of(symmetry, pattern)
     steering = steering_for(mesh, family_count(symmetry), scale, ribbons, steering)
     field = weave_field(mesh, symmetry=symmetry, phase=phase, seed=seed, steering=steering, callback=callback)
     return field.pattern(
-        scale=scale,
-        ribbons=ribbons,
-        cutting=cutting,
-        effort=effort,
-        tries=tries,
+        scale=scale, ribbons=ribbons, cutting=cutting, pattern=pattern, effort=effort, tries=tries,
         callback=callback,
-    )
-
-
-def _check(scale: float | None, ribbons: int | None) -> None:
-    """Refuse what cannot be asked for, before any work."""
-    if scale is not None and ribbons is not None:
-        raise FieldError(f"a weave has a scale ({scale:g}) or a number of ribbons ({ribbons}), not both")
-    if scale is not None and not (np.isfinite(scale) and scale > 0):
-        raise FieldError(f"the scale of a weave must be a positive number, not {scale}")
-    if ribbons is not None and ribbons < 1:
-        raise FieldError(f"a weave has one ribbon or more, not {ribbons}")
+    )  # fmt: skip
 
 
 def weave_curves(
-    leaves: Leaves, *, cutting: Cutting | None = None, effort: int = interlacing.EFFORT
+    leaves: Leaves,
+    *,
+    cutting: Cutting | None = None,
+    pattern: WeaveType | None = None,
+    effort: int = interlacing.EFFORT,
 ) -> Weave:
     """Weave level sets that were projected from a branched cover: ribbons, crossings, over and under.
 
@@ -356,7 +353,7 @@ def weave_curves(
     ----------
     leaves : what `Cover.project` returns
     cutting : the numbers of the clean-up of the ribbons
-    effort : as for `weave_pattern`
+    pattern, effort : as for `weave_pattern`
 
     Raises
     ------
@@ -375,23 +372,24 @@ def weave_curves(
     ([0, 1, 2], np.False_)
     """
     rosy = leaves.cover.rosy
+    meant = weave_type_of(rosy.degree, pattern)[1]
     found = ribbons(leaves, family_count(rosy.degree), cutting)
     design = Design(
         symmetry=rosy.degree, branch_points=frozen(rosy.branch_points), numerators=rosy.index_numerators
     )
     where = Similarity(np.zeros(3), 1.0)
-    return _interlaced(found, frozen(leaves.families[found.origin]), design, where, effort)
+    return _interlaced(found, frozen(leaves.families[found.origin]), design, where, effort, meant)
 
 
 def _interlaced(
-    found: Ribbons, families: Indices, design: Design, placement: Similarity, effort: int
+    found: Ribbons, families: Indices, design: Design, placement: Similarity, effort: int, meant: WeaveType
 ) -> Weave:
     """Choose over and under, and the width that is usual at this spacing."""
     width = default_width(found.spacing, design.symmetry)
     return Weave(
         ribbons=found,
         families=families,
-        interlacing=interlacing.optimal(found.passages, effort),
+        interlacing=interlacing.optimal(found.passages, effort, meant),
         width=width,
         thickness=width / THINNESS,
         design=design,

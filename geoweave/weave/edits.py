@@ -257,13 +257,13 @@ def edited(weave: Weave, edits: Edits, effort: int = EFFORT) -> Weave:
         over[each.crossing] = each.over
     stays = np.array([name not in edits.drop for name in names])
     if stays.all():
-        found = judged(weave.passages, over)
+        found = judged(weave.passages, over, weave.interlacing.pattern)
         return replace(weave, interlacing=replace(found, bound=weave.interlacing.bound))
     ribbons, kept = _without(weave.ribbons, stays)
-    chosen = _nearest(ribbons.passages, weave.interlacing.over[kept], effort)
+    chosen = _nearest(ribbons.passages, weave.interlacing, kept, effort)
     flipped = np.isin(kept, [each.crossing for each in edits.flip])
     if flipped.any():
-        found = judged(ribbons.passages, np.where(flipped, over[kept], chosen.over))
+        found = judged(ribbons.passages, np.where(flipped, over[kept], chosen.over), chosen.pattern)
         chosen = replace(found, bound=chosen.bound)
     return replace(
         weave,
@@ -297,12 +297,12 @@ def _without(ribbons: Ribbons, stays: Indices) -> tuple[Ribbons, Indices]:
     return replace(ribbons, curves=left, crossings=crossings, origin=frozen(ribbons.origin[stays])), kept
 
 
-def _nearest(passages: Passages, before: Indices, effort: int) -> Interlacing:
+def _nearest(passages: Passages, given: Interlacing, kept: Indices, effort: int) -> Interlacing:
     """The best over and under, and of choices that are as good the one that changes fewer crossings.
 
     Sides of all crossings of a part that hangs together can be changed at once: no relation notices.
     """
-    best = optimal(passages, effort)
+    best, before = optimal(passages, effort, given.pattern), given.over[kept]
     relations = passages.relations
     part = connected_components(np.stack([relations.first, relations.second], axis=1), len(passages))
     turned = 2 * np.bincount(part, best.over != before) > np.bincount(part)

@@ -118,6 +118,7 @@ class Inspection:
             "share_that_fits": self.share_that_fits,
             "widths_that_fit": [{"share": share, "width": width} for share, width in self.widths],
             "crossing_angle_deg": metrics["crossing_angle_deg"],
+            "pattern": metrics["pattern"],
             "alternation": metrics["alternation"],
             "regularity": self.regularity.document(),
             **{key: metrics[key] for key in STEERED if key in metrics},

@@ -127,23 +127,33 @@ class Passages:
         one of the others and under the other one: the three interleave. In any other triangle two relations
         are broken and one ribbon lies over both others.
         """
+        ring = np.sort(self.rings(3), axis=1)
+        return frozen(np.unique(ring, axis=0).reshape(-1, 3))
+
+    def rings(self, count: int) -> Indices:
+        """(n, count) relations of each cell of so many corners, in the order in which one walks round it.
+
+        The ribbon changes at each corner, and no other ribbon is met in between.
+        """
         here = self.order[self.following[self.order] >= 0]
-        there, count = self.following[here], 2 * len(self)
+        there, passages = self.following[here], 2 * len(self)
         # The two ways out of each passage, forward and back, with the relation walked along.
-        way = np.full((count, 2), -1, dtype=np.int64)
-        along = np.full((count, 2), -1, dtype=np.int64)
+        way = np.full((passages, 2), -1, dtype=np.int64)
+        along = np.full((passages, 2), -1, dtype=np.int64)
         way[here, 0], along[here, 0] = there, np.arange(len(here))
         way[there, 1], along[there, 1] = here, np.arange(len(here))
-        walked, at, begin = np.empty((count, 0), dtype=np.int64), np.arange(count), np.arange(count)
-        for _ in range(3):
+        walked, at, begin = np.empty((passages, 0), dtype=np.int64), np.arange(passages), np.arange(passages)
+        for _ in range(count):
             target, relation = way[at].ravel(), along[at].ravel()
             walked, begin = np.repeat(walked, 2, axis=0), np.repeat(begin, 2)
             kept = target >= 0
             walked = np.column_stack([walked[kept], relation[kept]])
             begin, at = begin[kept], target[kept] ^ 1
-        ring = np.sort(walked[at == begin], axis=1)
-        ring = ring[(ring[:, 0] != ring[:, 1]) & (ring[:, 1] != ring[:, 2])]
-        return frozen(np.unique(ring, axis=0).reshape(-1, 3))
+        ring = walked[at == begin]
+        alike = np.sort(ring, axis=1)
+        once = (np.diff(alike, axis=1) > 0).all(axis=1)
+        _, first = np.unique(alike[once], axis=0, return_index=True)
+        return frozen(ring[once][first].reshape(-1, count))
 
 
 class Merge(NamedTuple):

@@ -194,3 +194,13 @@ def _between(tried: dict[float, int], wanted: int) -> float:
                 step = min(NEARBY, 0.5 * float(np.log(high / low)))
                 return float(best * np.exp(step if best == low else -step))
     return scales[0]
+
+
+def check_asked(scale: float | None, ribbons: int | None) -> None:
+    """Refuse what cannot be asked for, before any work."""
+    if scale is not None and ribbons is not None:
+        raise FieldError(f"a weave has a scale ({scale:g}) or a number of ribbons ({ribbons}), not both")
+    if scale is not None and not (np.isfinite(scale) and scale > 0):
+        raise FieldError(f"the scale of a weave must be a positive number, not {scale}")
+    if ribbons is not None and ribbons < 1:
+        raise FieldError(f"a weave has one ribbon or more, not {ribbons}")

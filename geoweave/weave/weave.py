@@ -200,10 +200,11 @@ class Weave:
                 "p05": float(np.percentile(angle, 5)),
                 "smallest": float(angle.min()),
             },
+            "pattern": self.interlacing.document(),
             "alternation": {
                 "fraction": self.interlacing.alternation,
                 "optimal_fraction_bound": self.interlacing.alternation_bound,
-                "proven": self.interlacing.proven,
+                "proven": self.interlacing.proven and self.interlacing.unmet is None,
                 "greedy_fraction": greedy(self.passages).alternation,
             },
             **self._of_the_foliation(),

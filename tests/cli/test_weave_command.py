@@ -45,8 +45,9 @@ def test_the_table_says_when_a_bound_is_not_proven() -> None:
         (sides, ()),
         (better, ("not proven", "effort was used up")),
     ):
-        turns = dataclasses.replace(report().weave, interlacing=found).metrics()["alternation"]
-        text = weave_command._alternation(turns)
+        turns = dataclasses.replace(report().weave, interlacing=found).metrics()["pattern"]
+        name, text = weave_command._alternation(turns)
+        assert name == "alternation"
         assert f"{turns['fraction']:.1%} of neighbours; at most {turns['optimal_fraction_bound']:.1%}" in text
         assert all(word in text for word in words)
         assert ("not proven" in text) is not turns["proven"]

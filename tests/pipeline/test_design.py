@@ -7,12 +7,15 @@ from pathlib import Path
 import pytest
 
 from geoweave.cli import main
+from geoweave.fabrication import Making, Pattern, bill_of, pieces_of
 from geoweave.files import OutputError
 from geoweave.meshing.write import write_mesh
 from geoweave.models import shapes
 from geoweave.pipeline.design import weave_file
+from geoweave.pipeline.design_file import read_design
 from geoweave.pipeline.request import WeaveRequest
 from geoweave.pipeline.source import MeshSource
+from geoweave.weave import Edits, WeaveType, design_key, edited
 
 REQUEST = WeaveRequest(scale=0.5, relax=False)
 
@@ -66,3 +69,35 @@ def test_a_folder_that_cannot_be_used_is_refused_before_the_work(cone: MeshSourc
     with pytest.raises(OutputError, match="there is no folder"):
         weave_file(cone, tmp_path / "no" / "where", REQUEST, callback=said.append)
     assert said == []
+
+
+@pytest.mark.parametrize("pattern", ["plain", "twill", "basket"])
+def test_every_pattern_goes_from_the_mesh_to_the_files(tmp_path: Path, pattern: WeaveType) -> None:
+    """Over and under of the weave are those of the strips, at rest too; a float is no fault of a twill."""
+    write_mesh(shapes.sphere(faces=1200), tmp_path / "ball.obj")
+    source = MeshSource(str(tmp_path / "ball.obj"), faces=1200)
+    request = WeaveRequest(pattern=pattern, ribbons=10, size=150.0, formats=("pattern", "svg", "design"))
+    made = weave_file(source, tmp_path / "woven", request)
+    report = json.loads((tmp_path / "woven" / "report.json").read_text())
+    turns = made.weave.interlacing
+    assert report["pattern"] == turns.document()
+    assert (turns.pattern, request.symmetry, report["violations"]) == (pattern, 4, [])
+    assert made.strips is not None
+    assert made.verdict is not None
+    assert made.verdict.word in {"make it", "make it, but"}  # the twin of the strips comes back
+    woven = json.loads((tmp_path / "woven" / "weave.json").read_text())
+    assert made.strips.over.tolist() == [each["over_index"] for each in woven["crossings"]]
+    assert made.strips.floating is (pattern != "plain")
+    assert Pattern.from_document(made.strips.document()).floating is made.strips.floating
+    reasons = bill_of(made.strips, pieces_of(made.strips, Making()), Making()).reasons
+    assert not any("changes sides" in reason for reason in reasons)
+    if pattern == "plain":
+        assert 0.9 < turns.met == turns.alternation == turns.met_bound
+    else:
+        assert 0.85 < turns.met <= turns.met_bound
+        assert turns.alternation < 0.65
+    again = read_design(tmp_path / "woven" / "design.npz").interlacing
+    assert again.document() == turns.document()
+    name = made.weave.names[0]
+    less = edited(made.weave, Edits(design_key(made.weave.document()), drop=(name,)))
+    assert less.interlacing.pattern == pattern

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geoweave.errors import FieldError
-from geoweave.weave.ribbon_count import ENOUGH, NEAR, TRIES, nearest_scale
+from geoweave.weave.ribbon_count import ENOUGH, NEAR, TRIES, check_asked, nearest_scale
 
 
 def power(factor: float, growth: float, step: int = 1) -> Callable[[float], int]:
@@ -92,3 +92,11 @@ def test_where_three_tries_are_not_near_it_goes_on() -> None:
 def test_an_expectation_of_nothing_falls_back_on_the_tries() -> None:
     found = nearest_scale(power(111, 1.4), 20, tries=10, expected=lambda scale: 0.0)
     assert abs(found.count - 20) <= NEAR * 20
+
+
+def test_a_scale_and_a_number_of_ribbons_exclude_each_other() -> None:
+    check_asked(None, 7)
+    check_asked(0.5, None)
+    for scale, ribbons, said in ((1.0, 7, "not both"), (0.0, None, "positive"), (None, 0, "one ribbon")):
+        with pytest.raises(FieldError, match=said):
+            check_asked(scale, ribbons)

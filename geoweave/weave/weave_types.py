@@ -1,0 +1,107 @@
+"""Plain weave, kagome, 2/2 twill and basket: where a ribbon stays on its side, and where it changes.
+
+In a plain weave and in a kagome a ribbon changes sides between any two crossings that follow each other. In a
+2/2 twill and in a basket of two by two it stays at every second one. They differ in how neighbouring ribbons
+go: on opposite sides of a cell of four ribbons both stay or both change in a basket, one stays and the other
+changes in a twill. So the rules speak of a label y on every link between two crossings, 1 where the ribbon
+stays: ``y_e ^ y_f = 1`` for links that follow each other, ``y_e ^ y_f = 1`` (twill) or ``0`` (basket) for
+opposite ones. Of a cell both pairs of opposite links are met or neither is, so it counts as one rule.
+Nothing here needs a direction on the surface. On a plane grid the rules leave the textbook's weaves alone:
+crossings (i, j) where ``(i + j) mod 4 < 2``, or its mirror image, and blocks of two by two.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from geoweave.arrays import Flags, Indices, frozen
+from geoweave.errors import FieldError
+from geoweave.weave.passages import Passages
+
+__all__ = ["FLOATING", "WEAVE_TYPES", "Rules", "WeaveType", "rules_of", "weave_type_of"]
+
+WeaveType: TypeAlias = Literal["kagome", "plain", "twill", "basket"]
+"""Strict alternation in three families or in two; over two and under two, shifted by one or by none."""
+
+WEAVE_TYPES: tuple[WeaveType, ...] = ("kagome", "plain", "twill", "basket")
+"""All of them."""
+
+FLOATING = ("twill", "basket")
+"""Types in which a ribbon passes over two others in a row."""
+
+BIAXIAL, TRIAXIAL = 4, 6
+"""Symmetries of two and of three families of ribbons."""
+
+
+def weave_type_of(symmetry: int | None, pattern: WeaveType | None) -> tuple[int, WeaveType]:
+    """The symmetry and the type of weave that are meant; refuses two that do not go together.
+
+    Examples
+    --------
+    >>> gw.weave.weave_type_of(None, "twill"), gw.weave.weave_type_of(None, None)
+    ((4, 'twill'), (6, 'kagome'))
+
+    Raises
+    ------
+    FieldError
+        If there is no such type, or the symmetry has not the families that it needs.
+    """
+    if pattern not in (None, *WEAVE_TYPES):
+        raise FieldError(f"there is no pattern '{pattern}': {', '.join(WEAVE_TYPES)}")
+    if pattern is None:
+        symmetry = TRIAXIAL if symmetry is None else symmetry
+        return symmetry, "kagome" if symmetry == TRIAXIAL else "plain"
+    needed = TRIAXIAL if pattern == "kagome" else BIAXIAL
+    if symmetry is None:
+        return needed, pattern
+    if pattern == "plain" and symmetry != TRIAXIAL:
+        return symmetry, pattern
+    if symmetry != needed:
+        families = "three" if pattern == "kagome" else "two"
+        raise FieldError(f"a {pattern} weave has {families} families: a symmetry of {needed}, not {symmetry}")
+    return symmetry, pattern
+
+
+class Rules(NamedTuple):
+    """What a twill or a basket asks of the links of a weave; links are rows of `Passages.relations`."""
+
+    passages: Passages
+    """Of the weave."""
+    row: Indices
+    """(K, 2) links that follow each other on a ribbon: it stays at one of them alone."""
+    cell: Indices
+    """(Q, 4) links round each cell of four ribbons; the first and the third are opposite."""
+    shifted: bool
+    """Whether of two opposite links a ribbon stays at one alone (twill), or at both or none (basket)."""
+
+    def __len__(self) -> int:
+        return len(self.row) + len(self.cell)
+
+    def broken(self, over: Indices) -> Flags:
+        """(K + Q,) rules that sides break, those of rows first."""
+        links = self.passages.relations
+        stays = (over[links.first] ^ over[links.second]) != links.parity
+        row, cell = stays[self.row], stays[self.cell]
+        return np.concatenate([row[:, 0] == row[:, 1], cell[:, 0] ^ cell[:, 2] != self.shifted])
+
+
+def rules_of(passages: Passages, pattern: WeaveType) -> Rules:
+    """What a twill or a basket asks of the links of a weave.
+
+    Examples
+    --------
+    >>> from geoweave.weave.weave_types import rules_of
+    >>> i, j = np.indices((4, 4)).reshape(2, -1)             # rows and columns on a torus
+    >>> grid = gw.weave.Passages(np.c_[i, 4 + j], np.c_[j, i], np.ones(8, dtype=bool))
+    >>> twill, basket = (i + j) % 4 // 2, i // 2 ^ j // 2
+    >>> [int(rules_of(grid, "twill").broken(over).sum()) for over in (twill, basket)]
+    [0, 16]
+    """
+    here = passages.order[passages.following[passages.order] >= 0]
+    link = np.full(2 * len(passages), -1, dtype=np.int64)
+    link[here] = np.arange(len(here))
+    after = link[passages.following[here]]
+    row = np.flatnonzero((after >= 0) & (after != np.arange(len(here))))
+    return Rules(passages, frozen(np.column_stack([row, after[row]])), passages.rings(4), pattern == "twill")
