@@ -42,5 +42,6 @@ from .weave_types import (
     FLOATING as FLOATING,
     WEAVE_TYPES as WEAVE_TYPES,
     WeaveType as WeaveType,
+    rules_of as rules_of,
     weave_type_of as weave_type_of,
 )

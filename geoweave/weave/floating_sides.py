@@ -14,6 +14,7 @@ from scipy.sparse import csgraph
 from geoweave.arrays import Flags, Indices, Scalars
 from geoweave.weave.best_labels import Labelling, best_labels
 from geoweave.weave.odd_cycles import adjacency
+from geoweave.weave.rule_cycles import fewest_of_cycles
 from geoweave.weave.weave_types import Rules
 
 __all__ = ["floating_sides"]
@@ -39,7 +40,8 @@ def floating_sides(rules: Rules, effort: int) -> tuple[Indices, int]:
 
     Rules of rows alone are wishes ``x ^ x' == p`` for crossings two apart, and their proven fewest is a
     bound. Labels of links that need not come from sides are another: each rule of a row is given twice and
-    one of a cell as its two pairs, so that half of the fewest broken is a bound on all sides.
+    one of a cell as its two pairs, so that half of the fewest broken is a bound on all sides. If neither is
+    reached, the odd cycles of both together give a better one (`geoweave.weave.rule_cycles`).
 
     Parameters
     ----------
@@ -66,6 +68,8 @@ def floating_sides(rules: Rules, effort: int) -> tuple[Indices, int]:
         over, number = search.improved(found.labels.astype(np.int64))
         if number < broken:
             best, broken = over, number
+    if broken > bound:
+        bound = max(bound, fewest_of_cycles(rules, best, effort))
     return best, min(bound, broken)
 
 

@@ -79,6 +79,15 @@ class Rules(NamedTuple):
     def __len__(self) -> int:
         return len(self.row) + len(self.cell)
 
+    @property
+    def crossings(self) -> Indices:
+        """(K + Q,) where each rule is: the crossing between two links of a row, the first one of a cell."""
+        links = self.passages.relations
+        ends = np.stack([links.first, links.second], axis=1)[self.cell]
+        shared = (ends[:, 0, :, None] == ends[:, 3, None, :]).any(axis=2)
+        corner = np.where(shared[:, 0], ends[:, 0, 0], ends[:, 0, 1])
+        return np.concatenate([links.second[self.row[:, 0]], corner])
+
     def broken(self, over: Indices) -> Flags:
         """(K + Q,) rules that sides break, those of rows first."""
         links = self.passages.relations

@@ -162,3 +162,18 @@ def test_the_shape_alone_decides_a_weave(change: Callable[[TriMesh], TriMesh]) -
     as_it_is = of_lump(None)
     assert as_it_is[1] > 100
     np.testing.assert_allclose(of_lump(change), as_it_is, rtol=0.005)
+
+
+@pytest.mark.parametrize("pattern", ["twill", "basket"])
+def test_on_a_flat_square_twill_and_basket_are_the_textbooks(pattern):
+    """Along every ribbon over two and under two, and no rule between neighbours is broken."""
+    weave = weave_pattern(shapes.square(faces=1000), pattern=pattern, ribbons=20)
+    assert (weave.symmetry, weave.interlacing.pattern, len(weave.branch_points)) == (4, pattern, 0)
+    assert weave.interlacing.asked > 200
+    assert weave.interlacing.defects == 0
+    assert weave.interlacing.proven
+    ribbon, side = weave.passages.ribbons.ravel(), np.arange(2 * len(weave.passages)) % 2
+    over = np.repeat(weave.interlacing.over, 2) == side
+    for each in range(len(weave.ribbons)):
+        along = [p for p in weave.passages.order.tolist() if ribbon[p] == each]
+        assert all(over[p] != over[q] for p, q in zip(along, along[2:], strict=False))

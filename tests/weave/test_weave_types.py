@@ -98,3 +98,11 @@ def test_what_symmetry_a_pattern_needs():
             weave_type_of(symmetry, pattern)
     with pytest.raises(FieldError, match="no pattern 'satin'"):
         weave_type_of(None, "satin")
+
+
+def test_a_rule_lies_at_a_crossing_of_all_its_links():
+    crossings = grid(8, 8)
+    rules, links = rules_of(crossings, "twill"), crossings.relations
+    ends = np.stack([links.first, links.second], axis=1)
+    for where, held in zip(rules.crossings, [*rules.row, *rules.cell[:, [0, 3]]], strict=True):
+        assert all(where in ends[link] for link in held)
