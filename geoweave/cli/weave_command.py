@@ -40,8 +40,7 @@ OPTIONS = (
     click.option(
         "--pattern",
         type=click.Choice(["kagome", "plain", "twill", "basket"]),
-        help="kagome: three families in turn over and under (default with --symmetry 6); plain: two (default "
-        "otherwise); twill, basket: two, over two and under two, shifted by one or in blocks.",
+        help="Over and under: in turn, of three families or two; or over two, by diagonals or blocks.",
     ),
     click.option(
         "--phase",
@@ -331,12 +330,10 @@ def _alternation(pattern: dict[str, Any]) -> tuple[str, str]:
     """How often ribbons do as the pattern asks, and whether more often is possible."""
     share, most = f"{pattern['fraction']:.1%}", f"at most {pattern['optimal_fraction_bound']:.1%}"
     if pattern["name"] in ("twill", "basket"):
-        said = f"{share} of {pattern['relations']:,} rules of over two, under two are met; {most}"
-        return pattern["name"], said if pattern["proven"] else f"{said}, which need not be in reach"
-    said = f"{share} of neighbours; {most}"
-    if not pattern["proven"]:
-        said += " (not proven to be out of reach: the effort was used up)"
-    return "alternation", said
+        doubt = "" if pattern["proven"] else ", which need not be in reach"
+        return pattern["name"], f"{share} of {pattern['relations']:,} rules are met; {most}{doubt}"
+    doubt = "" if pattern["proven"] else " (not proven to be out of reach: the effort was used up)"
+    return "alternation", f"{share} of neighbours; {most}{doubt}"
 
 
 def _rest(relax: dict[str, Any] | None, unit: str) -> list[tuple[str, str]]:
