@@ -43,6 +43,11 @@ def check_axis(axis: str) -> str:
     ------
     FieldError
         If there is no such axis.
+
+    Examples
+    --------
+    >>> gw.fabrication.check_axis("-X")
+    '-x'
     """
     name = axis.strip().lower().removeprefix("+")
     if name not in AXES:
@@ -118,6 +123,12 @@ def up_axis(weave: WeaveLike, up: str | None = None) -> str:
     ------
     FieldError
         If there is no such axis, or the document is no weave.
+
+    Examples
+    --------
+    >>> weave = gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=6)
+    >>> gw.fabrication.up_axis(weave), gw.fabrication.up_axis(weave, "+y")
+    ('z', 'y')
     """
     if up is not None:
         return check_axis(up)
