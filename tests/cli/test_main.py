@@ -295,6 +295,7 @@ def test_weave_of_a_size_with_rods_for_a_number_of_ribbons(run, ball, tmp_path):
     # the guide comes with the size, and it has strips and a verdict on them
     assert second.pop("verdict")["word"]
     assert second.pop("strips")["ribbons"] == result["ribbons"]
+    assert second.pop("assembly")["zones"] >= 1
     # how each was asked for
     made = [report.pop("made_from") for report in (first, second)]
     assert made[0] != made[1]
