@@ -65,3 +65,4 @@ from .singularities import (
 )
 from .triples import Triples as Triples
 from .trivial_connection import prescribed_rosy as prescribed_rosy
+from .zero_sum import LAST_WEIGHT as LAST_WEIGHT

@@ -16,7 +16,7 @@ from geoweave.fields.closed_projection import ClosedProjection, ordering_of
 from geoweave.fields.face_field import FaceField, Handles
 from geoweave.fields.operators import AllFields, ClosedFields
 from geoweave.fields.triples import Triples
-from geoweave.fields.zero_sum import ZeroSum, falling_weights
+from geoweave.fields.zero_sum import LAST_WEIGHT, ZeroSum, falling_weights
 from geoweave.sparse import Ordering, analysed, one_blas_thread
 from geoweave.surface import TriMesh
 
@@ -157,6 +157,7 @@ def geodesic_field(
     acceleration: Acceleration = "momentum",
     curl_free: bool = True,
     triples: Triples | None = None,
+    apart: float = LAST_WEIGHT,
     callback: Callback | None = None,
 ) -> GeodesicSolve:
     """Compute a discrete geodesic field by Algorithm 1.
@@ -178,7 +179,7 @@ def geodesic_field(
     acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
     curl_free : False removes the constraint ``C (w + delta) = 0`` from Eq. 5: the field is then only smooth,
         as in the comparison of Fig. 10
-    triples : sheets of a cover whose directions are to stay 120 degrees apart, see `ZeroSum`
+    triples, apart : sheets of a cover to stay 120 degrees apart, and eta at the last smoothness (`ZeroSum`)
     callback : called after every step with the `Step` and the field
 
     Returns
@@ -208,7 +209,7 @@ def geodesic_field(
     schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
     handles = handles if handles is not None and len(handles.faces) else None
     _check(min(len(schedule), iterations, phases), acceleration, handles, phases, triples)
-    terms = _terms(triples, len(schedule))
+    terms = _terms(triples, len(schedule), apart)
     fields = ClosedFields(mesh) if curl_free else AllFields(mesh)
     ordering = ordering_of(fields)
     start = initial.normalized()
@@ -241,9 +242,9 @@ def _check(
         raise FieldError("handles fix directions of single sheets: leave out the handles or the triples")
 
 
-def _terms(triples: Triples | None, levels: int) -> list[ZeroSum | None]:
+def _terms(triples: Triples | None, levels: int, last: float) -> list[ZeroSum | None]:
     """What keeps sheets apart at each smoothness, if anything does; it falls with lambda."""
-    return [None if triples is None else ZeroSum(triples, each) for each in falling_weights(levels)]
+    return [None if triples is None else ZeroSum(triples, each) for each in falling_weights(levels, last)]
 
 
 def _projections(

@@ -17,7 +17,7 @@ SWEEPS = 2
 """How often each of the three directions is set to its best beside the other two, in one step."""
 
 
-def falling_weights(levels: int) -> tuple[float, ...]:
+def falling_weights(levels: int, last: float = LAST_WEIGHT) -> tuple[float, ...]:
     """Values of eta for so many values of lambda, a geometric sequence from large to small.
 
     At a coarse lambda a large eta chooses a field whose families are apart. Then a small one keeps them so,
@@ -26,6 +26,7 @@ def falling_weights(levels: int) -> tuple[float, ...]:
     Parameters
     ----------
     levels : number of weights, 1 or more; a single one is the last
+    last : the last one
 
     Examples
     --------
@@ -34,8 +35,8 @@ def falling_weights(levels: int) -> tuple[float, ...]:
     (1.0, 0.316, (0.1,))
     """
     if levels == 1:
-        return (LAST_WEIGHT,)
-    return tuple(float(each) for each in np.geomspace(FIRST_WEIGHT, LAST_WEIGHT, levels))
+        return (last,)
+    return tuple(float(each) for each in np.geomspace(FIRST_WEIGHT, last, levels))
 
 
 class ZeroSum:

@@ -193,9 +193,10 @@ class _Line:
         """Middle, normal and direction of cross sections at these lengths; normals are means over reach."""
         centre = np.stack([np.interp(where, self.at, self.points[:, axis]) for axis in range(3)], axis=1)
         up = _mean_normals(where, self, reach)
-        ahead = np.gradient(centre, where, axis=0)
+        # As the pages find it again from the middles: the way from the section before to the one after.
+        ahead = np.gradient(centre, axis=0)
         if self.closed:
-            ahead[0] = ahead[-1] = ahead[0] + ahead[-1]
+            ahead[0] = ahead[-1] = centre[1] - centre[-2]
         ahead /= np.maximum(np.linalg.norm(ahead, axis=1, keepdims=True), 1e-12)
         up -= (up * ahead).sum(axis=1, keepdims=True) * ahead
         up /= np.maximum(np.linalg.norm(up, axis=1, keepdims=True), 1e-12)

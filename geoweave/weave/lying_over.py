@@ -24,7 +24,7 @@ STACKED = 0.5
 """Where a ribbon would have to be narrower than this share of its width to find room for a ramp, it keeps its
 height instead, and three ribbons lie in three layers, if their order allows it."""
 
-NARROWEST = 0.3
+NARROWEST = 0.5
 """Least share of its width that a ribbon is drawn with."""
 
 HIGHEST = 4.0

@@ -15,6 +15,7 @@ import numpy as np
 from geoweave.arrays import Indices
 from geoweave.errors import FieldError
 from geoweave.fields import (
+    LAST_WEIGHT,
     FaceField,
     Guide,
     MirrorImages,
@@ -110,6 +111,15 @@ class Steering:
     align: tuple[Point, ...] | None = None
     spacing: float | None = None
     symmetric: MirrorAxis | Literal["off"] = "off"
+
+    @property
+    def apart(self) -> float:
+        """Weight at the end of the term that keeps families apart: more where singularities are prescribed.
+
+        The smoothest RoSy has them where families are apart anyway; with others the families may run together
+        (DEVIATIONS.md, prescribed).
+        """
+        return LAST_WEIGHT if self.singularities is None else 3.0 * LAST_WEIGHT
 
     def __post_init__(self) -> None:
         if not 0 <= self.merge < math.inf:

@@ -31,7 +31,7 @@ def rested(name: str) -> Relaxed:
     if name in SHAPES:
         make, ribbons = SHAPES[name]
         return relaxed_weave(weave_pattern(make(), ribbons=ribbons))
-    return relaxed_weave(weave_pattern(isotropic_remesh(catalogue.load(name), 1500), ribbons=16))
+    return relaxed_weave(weave_pattern(isotropic_remesh(catalogue.load(name), 1500), ribbons=20))
 
 
 def test_gaps_are_those_along_the_bars() -> None:

@@ -58,6 +58,6 @@ def test_holding_strips_need_less_friction_and_still_lie_near():
     """Of the two weaves whose strips were fitted, fewer crossings of this one need a fastener."""
     near, holding = at_rest("optimal"), at_rest("holding")
     assert holding.metrics()["curved_strips"]["kind"] == "holding"
-    assert np.median(holding.forces.sliding) < 0.5 * np.median(near.forces.sliding)
+    assert np.median(holding.forces.sliding) < 0.6 * np.median(near.forces.sliding)
     assert len(holding.fasten()) < len(near.fasten())
     assert holding.departure.to_surface.mean < at_rest("straight").departure.to_surface.mean

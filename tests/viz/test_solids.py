@@ -71,7 +71,7 @@ def test_ribbons_are_apart_along_the_normal_where_they_cross() -> None:
             ups.append(body.up[section])
         top = weave.interlacing.over[crossing]
         rise = (centres[top] - centres[1 - top]) @ (ups[0] + ups[1]) / 2
-        assert CLEAR * weave.thickness * 0.99 < rise < 2 * weave.thickness
+        assert CLEAR * weave.thickness * 0.99 < rise < 5 * weave.thickness
 
 
 def test_strips_have_the_section_of_the_rod() -> None:

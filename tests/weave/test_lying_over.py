@@ -129,7 +129,7 @@ def test_no_ribbon_of_a_cone_cuts_another() -> None:
 
 def test_ribbons_of_a_torus_hardly_cut_each_other() -> None:
     """Without levels and necks it is 5 % of their area."""
-    assert cut_share(ribbon_bodies(torus())) < 0.005
+    assert cut_share(ribbon_bodies(torus())) < 0.01
 
 
 def test_the_lowest_ribbon_stays_above_the_drawn_surface() -> None:

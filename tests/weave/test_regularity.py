@@ -84,7 +84,8 @@ def test_cells_of_a_closed_surface_obey_eulers_formula() -> None:
     ways = sum(len(weave.passages.relations.first) for _ in range(2))
     crossings = len(weave.ribbons.crossings)
     assert len(cells.corners) == ways / 2 - crossings  # chi = 0: V - E + F = 0
-    assert cells.corners.mean() == pytest.approx(4.0, abs=0.3)
+    # four of a crossing without ends; an end takes one way out of a crossing
+    assert 4.0 <= cells.corners.mean() <= ways / len(cells.corners)
 
 
 def test_the_report_says_how_regular_the_weave_is() -> None:
