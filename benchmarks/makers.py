@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 from itertools import pairwise
+from operator import itemgetter
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -53,7 +54,8 @@ def met_by_ribbons(crossings: list[dict[str, Any]], pairs: str, at: str, over: s
         for side in (0, 1):
             said = f"{each['id']} {'over' if each[over] == side else 'under'}"
             along.setdefault(each[pairs][side], []).append((each[at][side], said))
-    return {ribbon: [said for _, said in sorted(found)] for ribbon, found in along.items()}
+    # Both ends of a loop may meet a ribbon in one place; then the order is that of the numbers.
+    return {ribbon: [said for _, said in sorted(found, key=itemgetter(0))] for ribbon, found in along.items()}
 
 
 def alternation(met: dict[int, list[str]], closed: list[bool]) -> float:
