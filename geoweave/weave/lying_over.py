@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
+from geoweave.surface import connected_components
 
 __all__ = ["CLEAR", "Frames", "Passings", "beside", "passings"]
 
@@ -336,10 +337,11 @@ def _heights(groups: Sequence[Sequence[int]], above: Flags, lift: Scalars, deepe
     height = np.where(above, 0.5, -0.5) * np.repeat(lift, 2)
     height += np.repeat(np.maximum(deepest + 0.5 * lift, 0.0), 2)
     alone = np.array([len(own) == 1 for own in groups])
-    stacked = [x for x in over if not (alone[number[x]] and alone[number[x ^ 1]])]
+    stacked = np.array([x for x in over if not (alone[number[x]] and alone[number[x ^ 1]])], dtype=np.int64)
+    links = np.stack([number[stacked], number[stacked ^ 1]], axis=1)
     down: dict[int, list[tuple[int, float]]] = defaultdict(list)
-    for x in stacked:
-        down[int(number[x])].append((int(number[x ^ 1]), float(lift[x // 2])))
+    for (upper, lower), apart in zip(links.tolist(), lift[stacked // 2].tolist(), strict=True):
+        down[upper].append((lower, apart))
     level: dict[int, float] = {}
 
     def depth(g: int) -> float:
@@ -347,32 +349,11 @@ def _heights(groups: Sequence[Sequence[int]], above: Flags, lift: Scalars, deepe
             level[g] = max((depth(below) + each for below, each in down.get(g, ())), default=0.0)
         return level[g]
 
-    for part in _parts(down):
-        heights = {g: depth(g) for g in part}
+    # Groups that lie over or under each other, directly or through others, are set about 0 together.
+    part = connected_components(links, len(groups))
+    for one in np.unique(part[links[:, 0]]).tolist():
+        heights = {int(g): depth(int(g)) for g in np.flatnonzero(part == one)}
         low = max(0.5 * (min(heights.values()) - max(heights.values())), deepest)
-        for g in part:
-            height[list(groups[g])] = heights[g] + low
+        for g, high in heights.items():
+            height[list(groups[g])] = high + low
     return height
-
-
-def _parts(down: dict[int, list[tuple[int, float]]]) -> list[list[int]]:
-    """Groups that lie over or under each other, directly or through others."""
-    beside: dict[int, set[int]] = defaultdict(set)
-    for g, lower in down.items():
-        for each, _ in lower:
-            beside[g].add(each)
-            beside[each].add(g)
-    seen: set[int] = set()
-    found = []
-    for g in sorted(beside):
-        if g in seen:
-            continue
-        part, todo = [], [g]
-        seen.add(g)
-        while todo:
-            part.append(todo.pop())
-            for each in sorted(beside[part[-1]] - seen):
-                seen.add(each)
-                todo.append(each)
-        found.append(part)
-    return found
