@@ -119,12 +119,9 @@ def _rows(made: CutFiles) -> list[tuple[str, str]]:
         ("strips", f"{result['strips']:,} in {result['pieces']:,} pieces, of {result['strips_of']}"),
         ("size", f"{result['width']:.3g} wide, {result['thickness']:.2g} thick (mm)"),
     ]
-    if made.at_rest is not None:
-        thick = f"{result['thickness']:.2g}"
-        said = (
-            f"lengths are those at rest of strips {made.at_rest:.2g} mm thick; weave again with --thickness"
-        )
-        rows.append(("  at rest", f"{said} {thick}, or look at 'geoweave twin'"))
+    if made.thickness_at_rest is not None:
+        said = f"lengths are those of strips {made.thickness_at_rest:.2g} mm thick; weave again with "
+        rows.append(("  at rest", f"{said}--thickness {result['thickness']:.2g}, or look at 'geoweave twin'"))
     if result["sheets"]:
         wide, high = result["sheet_size"]
         rows.append(("sheets", f"{result['sheets']:,} of {wide:g} x {high:g} mm, {_full(shares['sheet'])}"))

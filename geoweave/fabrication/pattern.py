@@ -168,8 +168,9 @@ class Pattern:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise FieldError(f"the {name} of the strips must be a positive number of mm, not {value}")
-        for field in fields(self)[3:-2]:
-            frozen(getattr(self, field.name))
+        for field in fields(self):
+            if isinstance(value := getattr(self, field.name), np.ndarray):
+                frozen(value)
         if self.ribbons.shape != self.at.shape or self.ribbons.shape != (len(self.angle), 2):
             raise FieldError(
                 f"crossings are (C, 2) strips and (C, 2) places, not {self.ribbons.shape} and {self.at.shape}"

@@ -65,4 +65,4 @@ from .singularities import (
 )
 from .triples import Triples as Triples
 from .trivial_connection import prescribed_rosy as prescribed_rosy
-from .zero_sum import LAST_WEIGHT as LAST_WEIGHT
+from .zero_sum import LAST_ETA as LAST_ETA, PRESCRIBED_ETA as PRESCRIBED_ETA

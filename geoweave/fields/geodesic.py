@@ -16,7 +16,7 @@ from geoweave.fields.closed_projection import ClosedProjection, ordering_of
 from geoweave.fields.face_field import FaceField, Handles
 from geoweave.fields.operators import AllFields, ClosedFields
 from geoweave.fields.triples import Triples
-from geoweave.fields.zero_sum import LAST_WEIGHT, ZeroSum, falling_weights
+from geoweave.fields.zero_sum import LAST_ETA, ZeroSum, falling_weights
 from geoweave.sparse import Ordering, analysed, one_blas_thread
 from geoweave.surface import TriMesh
 
@@ -157,7 +157,7 @@ def geodesic_field(
     acceleration: Acceleration = "momentum",
     curl_free: bool = True,
     triples: Triples | None = None,
-    apart: float = LAST_WEIGHT,
+    eta: float = LAST_ETA,
     callback: Callback | None = None,
 ) -> GeodesicSolve:
     """Compute a discrete geodesic field by Algorithm 1.
@@ -179,7 +179,7 @@ def geodesic_field(
     acceleration : ``"momentum"`` or, for the paper's plain alternation, ``"none"``
     curl_free : False removes the constraint ``C (w + delta) = 0`` from Eq. 5: the field is then only smooth,
         as in the comparison of Fig. 10
-    triples, apart : sheets of a cover to stay 120 degrees apart, and eta at the last smoothness (`ZeroSum`)
+    triples, eta : sheets that are to stay 120 degrees apart, and what weighs it at the end, see `ZeroSum`
     callback : called after every step with the `Step` and the field
 
     Returns
@@ -209,7 +209,7 @@ def geodesic_field(
     schedule = sharpening_schedule(mesh) if smoothness is None else tuple(smoothness)
     handles = handles if handles is not None and len(handles.faces) else None
     _check(min(len(schedule), iterations, phases), acceleration, handles, phases, triples)
-    terms = _terms(triples, len(schedule), apart)
+    terms = _terms(triples, len(schedule), eta)
     fields = ClosedFields(mesh) if curl_free else AllFields(mesh)
     ordering = ordering_of(fields)
     start = initial.normalized()

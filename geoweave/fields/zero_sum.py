@@ -7,17 +7,20 @@ import numpy as np
 from geoweave.arrays import Complexes
 from geoweave.fields.triples import Triples
 
-FIRST_WEIGHT = 1.0
+FIRST_ETA = 1.0
 """eta at the first lambda, where the field settles as a whole and families are kept from running together."""
 
-LAST_WEIGHT = 0.1
+LAST_ETA = 0.1
 """eta at the last lambda, where the field is to be geodesic first."""
+
+PRESCRIBED_ETA = 0.3
+"""The same where singularities are prescribed: families may run together (DEVIATIONS.md, prescribed)."""
 
 SWEEPS = 2
 """How often each of the three directions is set to its best beside the other two, in one step."""
 
 
-def falling_weights(levels: int, last: float = LAST_WEIGHT) -> tuple[float, ...]:
+def falling_weights(levels: int, last: float = LAST_ETA) -> tuple[float, ...]:
     """Values of eta for so many values of lambda, a geometric sequence from large to small.
 
     At a coarse lambda a large eta chooses a field whose families are apart. Then a small one keeps them so,
@@ -36,7 +39,7 @@ def falling_weights(levels: int, last: float = LAST_WEIGHT) -> tuple[float, ...]
     """
     if levels == 1:
         return (last,)
-    return tuple(float(each) for each in np.geomspace(FIRST_WEIGHT, last, levels))
+    return tuple(float(each) for each in np.geomspace(FIRST_ETA, last, levels))
 
 
 class ZeroSum:
@@ -62,7 +65,7 @@ class ZeroSum:
     True
     """
 
-    def __init__(self, triples: Triples, weight: float = LAST_WEIGHT) -> None:
+    def __init__(self, triples: Triples, weight: float = LAST_ETA) -> None:
         self.faces, self.signs, self.weight = triples.faces, triples.signs, weight
         self._areas = triples.mesh.face_areas[triples.faces[:, 0]]
 

@@ -51,7 +51,7 @@ class CutFiles:
     files: dict[str, Path]
     """Path of each file by its name."""
     seconds: dict[str, float]
-    at_rest: float | None = None
+    thickness_at_rest: float | None = None
     """Thickness for which the lengths at rest were found, mm, if the strips are thicker or thinner."""
 
     def document(self) -> dict[str, Any]:
@@ -63,7 +63,7 @@ class CutFiles:
             "request": self.request.document(),
             "strips_of": self.cut.source,
             "slipped": self.cut.slipped,
-            "thickness_at_rest": self.at_rest,
+            "thickness_at_rest": self.thickness_at_rest,
             **layout_numbers(self.layout),
             "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
             "files": [str(path) for path in self.files.values()],
@@ -207,7 +207,11 @@ def _write(
         report.pop("twin", None)
     if wish.up is not None:
         report["up"] = {"axis": laid.bench.up, "by": "request"}
-    report |= {"strips": strips, "cut": {"request": wish.document(), **layout_numbers(laid)}}
+    report |= {
+        "strips": strips,
+        "assembly": laid.assembly,
+        "cut": {"request": wish.document(), **layout_numbers(laid)},
+    }
     kept: tuple[str, ...] = ()
     if target.exists() and target.samefile(source):
         listed = before.get("files") if isinstance(before.get("files"), dict) else {}

@@ -59,8 +59,10 @@ class Sprung:
         depth = (4.0 if self.opacity >= 1.0 else 2.0) * self.rods.material.thickness
         sunk = TriMesh(self.target.vertices - depth * self.target.vertex_normals, self.target.faces)
         if self.opacity < 1.0:
-            # At 0 it still says how large the picture is.
-            scene.add_surface(sunk, colour=style.LINE, opacity=self.opacity)
+            # At 0 it still says how large the picture is. Of a closed surface the far side is enough: the
+            # near one would lie on what sank below it, and dull its colours.
+            closed = not len(self.target.boundary_loops)
+            scene.add_surface(sunk, colour=style.LINE, opacity=self.opacity, behind=closed)
         else:
             scene.add_surface(sunk)
         if self.values is not None:

@@ -44,7 +44,7 @@ OCCLUSION_BLUR = 0.002
 """Blur of the occlusion, as a share of the height of the picture."""
 
 EDGE = 1.0
-"""Width of the edges of a solid, in pixels of the picture."""
+"""Width of the edges of a solid, pixels; where two of one colour cross, only their edges tell them apart."""
 
 
 @dataclass
@@ -76,13 +76,14 @@ class Scene:
         colour: str = style.SURFACE,
         crease: float = 80.0,
         opacity: float = 1.0,
+        behind: bool = False,
     ) -> None:
         """Add the surface, smooth but for creases sharper than ``crease`` degrees.
 
         ``values`` are shown, (F,) one colour a face or (V,) joined over the faces, on the diverging map from
-        ``-limit`` to ``limit`` or on the given map between ``limits`` (equal ratios
-        equally far apart if ``log``); where the value is not a number the
-        surface has the plain ``colour``. With an ``opacity`` below 1 what lies behind it shows through.
+        ``-limit`` to ``limit`` or on the given map between ``limits`` (equal ratios equally far apart if
+        ``log``); what is not a number has the plain ``colour``. With an ``opacity`` below 1 what lies behind
+        it shows through; if ``behind``, only its far side is drawn, and lies on nothing.
         """
         if self._placement is None:
             # The renderer's depths and radii have absolute tolerances: it gets models of one size only.
@@ -101,6 +102,7 @@ class Scene:
             cell_normals=False, split_vertices=True, feature_angle=crease, consistent_normals=False
         )
         look |= {"ambient": 0.30, "diffuse": 0.74, "specular": 0.08, "specular_power": 10.0, "occludes": True}
+        look |= {"culling": "front"} if behind else {}
         if opacity < 1.0:
             # A transparent surface casts no shade on what lies behind it.
             look |= {"opacity": opacity, "occludes": False}
@@ -207,13 +209,11 @@ class Scene:
         if values is not None:
             solid.point_data["values"] = values
             look = {"scalars": "values", "cmap": colormap or style.sequential(), "clim": limits}
-        whole = solid
-        solid = solid.compute_normals(cell_normals=False, split_vertices=True, feature_angle=40.0)
+        shaded = solid.compute_normals(cell_normals=False, split_vertices=True, feature_angle=40.0)
         look |= {"ambient": 0.32, "diffuse": 0.70, "specular": 0.06, "occludes": True}
-        self._actors.append((solid, look))
+        self._actors.append((shaded, look))
         if values is None:
-            # Where two ribbons of one colour cross, only their edges tell them apart.
-            edges = whole.extract_feature_edges(
+            edges = solid.extract_feature_edges(
                 feature_angle=60.0, boundary_edges=False, non_manifold_edges=False, manifold_edges=False
             )
             line = {"color": style.darker(colour), "line_width": EDGE * SUPERSAMPLING, "lighting": False}

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.errors import FieldError
-from geoweave.weave.lying_over import CLEAR, Frames, Passings, beside, passings
+from geoweave.weave.lying_over import CLEAR, Frames, Passings, passings, share_beside
+from geoweave.weave.passages import Passages
 
 __all__ = ["CLEAR", "SECTIONS", "Body", "Centreline", "bodies"]
 
@@ -23,7 +24,7 @@ SECTIONS = 0.25
 """Distance between cross sections, in widths."""
 
 ROUNDS = 2
-"""So often the heights are corrected by what the bodies that come of them still lack."""
+"""How often bodies are made, measured where they cross, and parted by what is still missing."""
 
 NEAREST = 1.05
 """Least distance of the middles of two ribbons anywhere in their crossing, in thicknesses."""
@@ -147,10 +148,10 @@ def bodies(
             raise FieldError(f"the {name} of a ribbon in space must be a positive number, not {value}")
     measured = [_Line(line) for line in lines]
     frames = _frames(measured, width, step * width)
-    met = passings(frames, crossings, arclength, over, width, thickness)
-    order = np.lexsort([met.at, met.ribbons])
-    starts = np.searchsorted(met.ribbons[order], np.arange(len(lines) + 1))
-    own = [order[starts[r] : starts[r + 1]] for r in range(len(lines))]
+    passages = Passages(crossings, arclength, frames.closed)
+    met = passings(frames, passages, over, width, thickness)
+    ribbon = passages.ribbons.ravel()[passages.order]
+    own = np.split(passages.order, np.searchsorted(ribbon, np.arange(1, len(lines))))
 
     def drawn(met: Passings) -> list[Body]:
         pairs = zip(measured, own, strict=True)
@@ -161,7 +162,7 @@ def bodies(
         met = met.parted(_joined(made), 0.5 * width, NEAREST * thickness)
         made = drawn(met)
     frames = _joined(made)
-    share = beside(frames, met, width, thickness)
+    share = share_beside(frames, met, width, thickness)
     return tuple(
         _narrowed(body, share[first:end])
         for body, (first, end) in zip(made, itertools.pairwise(frames.offsets), strict=True)
@@ -204,30 +205,19 @@ class _Line:
 
 
 def _frames(lines: Sequence[_Line], width: float, step: float) -> Frames:
-    where = [np.linspace(0.0, each.at[-1], max(round(each.at[-1] / step), 2) + 1) for each in lines]
-    parts = [line.sections(at, 0.5 * width) for line, at in zip(lines, where, strict=True)]
-    nothing = np.zeros((0, 3))
-    return Frames(
-        offsets=np.concatenate([[0], np.cumsum([len(at) for at in where])]).astype(np.int64),
-        closed=np.array([line.closed for line in lines], dtype=bool),
-        at=np.concatenate([np.zeros(0), *where]),
-        centre=np.concatenate([nothing, *(part[0] for part in parts)]),
-        ahead=np.concatenate([nothing, *(part[2] for part in parts)]),
-        up=np.concatenate([nothing, *(part[1] for part in parts)]),
-    )
+    """Sections of the centrelines, evenly along each."""
+    parts = []
+    for line in lines:
+        where = _even(float(line.at[-1]), step)
+        centre, up, ahead = line.sections(where, 0.5 * width)
+        parts.append((where, centre, ahead, up))
+    return Frames.joined([line.closed for line in lines], parts)
 
 
 def _joined(made: Sequence[Body]) -> Frames:
     """The cross sections of all bodies, one after the other."""
-    nothing = np.zeros((0, 3))
-    return Frames(
-        offsets=np.concatenate([[0], np.cumsum([len(body.at) for body in made])]).astype(np.int64),
-        closed=np.array([body.closed for body in made], dtype=bool),
-        at=np.concatenate([np.zeros(0), *(body.at for body in made)]),
-        centre=np.concatenate([nothing, *(body.centre for body in made)]),
-        ahead=np.concatenate([nothing, *(body.ahead for body in made)]),
-        up=np.concatenate([nothing, *(body.up for body in made)]),
-    )
+    parts = [(body.at, body.centre, body.ahead, body.up) for body in made]
+    return Frames.joined([body.closed for body in made], parts)
 
 
 def _body(line: _Line, met: Passings, own: Indices, width: float, thickness: float, step: float) -> Body:
@@ -272,9 +262,14 @@ def _levels(met: Passings, own: Indices, length: float, closed: bool) -> _Levels
     return _Levels(starts, ends, height)
 
 
+def _even(length: float, step: float) -> Scalars:
+    """Lengths about a step apart, the ends among them."""
+    return np.linspace(0.0, length, max(round(length / step), 2) + 1)
+
+
 def _sections(length: float, levels: _Levels, step: float) -> Scalars:
     """Where cross sections are: evenly along the line, where each ramp begins and ends, and within it."""
-    even = np.linspace(0.0, length, max(round(length / step), 2) + 1)
+    even = _even(length, step)
     begin, end = levels.ends[:-1], levels.starts[1:]
     ramps = levels.heights[:-1] != levels.heights[1:]
     begin, end = begin[ramps], end[ramps]

@@ -249,7 +249,7 @@ def weave_field(
     if geodesic:
         schedule = sharpening_schedule(quotient.mesh, finest=INTEGRABLE_END)
         together = quotient.triples if chosen == "regular" else None
-        field = geodesic_field(field, smoothness=schedule, triples=together, apart=wanted.apart).field
+        field = geodesic_field(field, smoothness=schedule, triples=together, eta=wanted.eta).field
     stages.begin("foliation", ": first factor")
     w, part = punctured(field)
     places = quotient.triples.on(part).places if chosen == "regular" else None

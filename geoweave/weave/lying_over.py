@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -12,8 +12,9 @@ from scipy.spatial import cKDTree
 
 from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.surface import connected_components
+from geoweave.weave.passages import Passages
 
-__all__ = ["CLEAR", "Frames", "Passings", "beside", "passings"]
+__all__ = ["CLEAR", "Frames", "Passings", "passings", "share_beside"]
 
 CLEAR = 1.2
 """Distance of the middles of two ribbons over the whole of their crossing, in thicknesses."""
@@ -29,7 +30,7 @@ NARROWEST = 0.5
 """Least share of its width that a ribbon is drawn with."""
 
 HIGHEST = 4.0
-"""Ribbons that cross over a fold of the surface are parted by at most so many times what is usual.
+"""Ribbons that cross over a fold of the surface are parted by at most so many times the least distance.
 
 They may still cut each other then; else they would stand off the surface.
 """
@@ -60,6 +61,22 @@ class Frames:
     """(P, 3) unit"""
     up: Vectors
     """(P, 3) unit"""
+
+    @classmethod
+    def joined(
+        cls, closed: Sequence[bool], parts: Sequence[tuple[Scalars, Vectors, Vectors, Vectors]]
+    ) -> Frames:
+        """Put the sections of ribbons one after the other.
+
+        Parameters
+        ----------
+        closed : for each ribbon
+        parts : for each ribbon ``at``, ``centre``, ``ahead`` and ``up`` of its sections
+        """
+        nothing = (np.zeros(0), *(np.zeros((0, 3)) for _ in range(3)))
+        at, centre, ahead, up = (np.concatenate(each) for each in zip(nothing, *parts, strict=True))
+        offsets = np.concatenate([[0], np.cumsum([len(part[0]) for part in parts])]).astype(np.int64)
+        return cls(offsets, np.array(closed, dtype=bool), at, centre, ahead, up)
 
     @property
     def lengths(self) -> Scalars:
@@ -101,9 +118,9 @@ class Passings:
     share : (2 C,) of the full width that the ribbon is drawn with there
     height : (2 C,) above the centreline
     above : (2 C,) whether it is the upper one
-    groups : passings that have one height
+    group : (2 C,) number of the layer; passings of one layer have one height
     lift : (C,) by how much the two ribbons of each crossing are parted
-    deepest : no ribbon lies lower than that; what is missing the others are raised by
+    deepest : height below which no ribbon goes; where that is not low enough, the upper one is raised
     """
 
     ribbons: Indices
@@ -112,7 +129,7 @@ class Passings:
     share: Scalars
     height: Scalars
     above: Flags
-    groups: list[list[int]]
+    group: Indices
     lift: Scalars
     deepest: float
 
@@ -127,51 +144,41 @@ class Passings:
         """
         more = _missing(frames, self.ribbons, self.at, self.above, self.reach, half * self.share, clear)
         lift = np.minimum(self.lift + more, np.maximum(self.lift, HIGHEST * clear))
-        return replace(self, lift=lift, height=_heights(self.groups, self.above, lift, self.deepest))
+        return replace(self, lift=lift, height=_heights(self.group, self.above, lift, self.deepest))
 
 
-def passings(
-    frames: Frames,
-    crossings: Indices,
-    arclength: NDArray[np.float64],
-    over: Indices,
-    width: float,
-    thin: float,
-) -> Passings:
+def passings(frames: Frames, passages: Passages, over: Indices, width: float, thickness: float) -> Passings:
     """Find heights and widths at crossings with which no two ribbons cut each other.
 
     Two ribbons of width w that cross at an angle a share ``w / 2 (1 / sin a + |cot a|)`` of each of them to
     either side. Over this length the height stays. Where the next crossing leaves no room to go from over to
     under, both ribbons and the two that they cross are drawn narrower there, which makes room. Three ribbons
-    that meet nearly in a point and can lie in three layers do that.
+    that meet nearly in a point are stacked in three layers instead, if one can lie over both others.
 
     Parameters
     ----------
     frames : of the ribbons
-    crossings, arclength, over : of `geoweave.weave.bodies`
-    width, thin : width and thickness of a ribbon
+    passages : which ribbons cross, and where
+    over : (C,) which of the two lies above, 0 or 1
+    width, thickness : of a ribbon
     """
-    ribbons, at = crossings.ravel(), arclength.ravel()
+    ribbons, at = passages.ribbons.ravel(), passages.arclengths.ravel()
     above = (np.stack([over == 0, over == 1], axis=1)).ravel()
-    _, ahead, left, _ = frames.there(ribbons, at)
-    straight, slant = _angles(ahead.reshape(-1, 2, 3), left.reshape(-1, 2, 3))
+    straight, slant = _angles(frames.there(ribbons, at)[1].reshape(-1, 2, 3))
     unit = 0.5 * width * np.repeat(np.stack([slant, 1.0 / straight], axis=1), 2, axis=0)
     reach = unit.sum(axis=1)
-    pairs = _neighbours(frames, ribbons, at, reach, width)
-    apart = at[pairs[:, 1]] - at[pairs[:, 0]]
-    length = frames.lengths[ribbons[pairs[:, 0]]]
-    apart = np.where(apart < 0, apart + length, apart)
+    pairs, apart = _neighbours(passages, frames.lengths, reach, width)
     needed = (apart - RAMP * width) / (reach[pairs[:, 0]] + reach[pairs[:, 1]])
-    tied, share = _layers(pairs, needed, above)
+    group, share = _layers(pairs, needed, above)
     partner = np.arange(len(at)) ^ 1
     reach = unit[:, 0] * share + unit[:, 1] * share[partner]
-    lift = _missing(frames, ribbons, at, above, reach, 0.5 * width * share, CLEAR * thin)
-    deepest = -0.5 * CLEAR * thin
-    height = _heights(tied, above, lift, deepest)
-    return Passings(ribbons, at, reach, share, height, above, tied, lift, deepest)
+    lift = _missing(frames, ribbons, at, above, reach, 0.5 * width * share, CLEAR * thickness)
+    deepest = -0.5 * CLEAR * thickness
+    height = _heights(group, above, lift, deepest)
+    return Passings(ribbons, at, reach, share, height, above, group, lift, deepest)
 
 
-def beside(frames: Frames, met: Passings, width: float, thin: float) -> Scalars:
+def share_beside(frames: Frames, met: Passings, width: float, thickness: float) -> Scalars:
     """(P,) share of the width at each section with which ribbons that run side by side do not overlap.
 
     Only sections count that no crossing of the two ribbons is near, and that do not lie clear of each other
@@ -182,7 +189,7 @@ def beside(frames: Frames, met: Passings, width: float, thin: float) -> Scalars:
     ----------
     frames : of the ribbons with their heights
     met : what they do at their crossings
-    width, thin : full width and thickness of a ribbon
+    width, thickness : full width and thickness of a ribbon
     """
     owner, share = frames.ribbon, np.ones(len(frames.at))
     tree = cKDTree(frames.centre)
@@ -195,7 +202,7 @@ def beside(frames: Frames, met: Passings, width: float, thin: float) -> Scalars:
     normal, ahead = frames.up[one], frames.ahead[one]
     close = (owner[one] != owner[two]) | (round_trip > 2.0 * width)
     close &= np.abs((apart * ahead).sum(axis=1)) < 0.5 * SIDE * width
-    close &= np.abs((apart * normal).sum(axis=1)) < thin
+    close &= np.abs((apart * normal).sum(axis=1)) < thickness
     close &= (normal * frames.up[two]).sum(axis=1) > 0.5
     one, two, apart = one[close], two[close], apart[close]
     free = ~_at_a_crossing(frames, met, one, two, SIDE * width)
@@ -231,35 +238,33 @@ def _at_a_crossing(frames: Frames, met: Passings, one: Indices, two: Indices, mo
     return found
 
 
-def _angles(ahead: NDArray[np.float64], left: NDArray[np.float64]) -> tuple[Scalars, Scalars]:
+def _angles(ahead: NDArray[np.float64]) -> tuple[Scalars, Scalars]:
     """Sine and absolute cotangent of the angle of each crossing."""
     cosine = np.abs((ahead[:, 0] * ahead[:, 1]).sum(axis=1))
     sine = np.maximum(np.sqrt(np.maximum(1.0 - cosine**2, 0.0)), SHALLOWEST)
     return sine, np.minimum(cosine, np.sqrt(1.0 - sine**2)) / sine
 
 
-def _neighbours(frames: Frames, ribbons: Indices, at: Scalars, reach: Scalars, width: float) -> Indices:
-    """(P, 2) passings of one ribbon, the second one behind the first, that come near each other."""
-    order = np.lexsort([at, ribbons])
-    found = []
-    starts = np.searchsorted(ribbons[order], np.arange(len(frames.closed) + 1))
-    for step in range(1, NEIGHBOURS + 1):
-        here = np.arange(len(order))
-        first, count = starts[ribbons[order]], np.diff(starts)[ribbons[order]]
-        there = here + step
-        wraps = there >= first + count
-        closed = frames.closed[ribbons[order]]
-        there = np.where(wraps, there - count, there)
-        apart = at[order[np.minimum(there, len(order) - 1)]] - at[order]
-        apart = np.where(wraps, apart + frames.lengths[ribbons[order]], apart)
-        fits = (~wraps | closed) & (step < count)
-        fits &= apart < reach[order] + reach[order[np.minimum(there, len(order) - 1)]] + RAMP * width
-        found.append(np.stack([order[here[fits]], order[there[fits]]], axis=1))
-    return np.concatenate(found)
+def _neighbours(
+    passages: Passages, lengths: Scalars, reach: Scalars, width: float
+) -> tuple[Indices, Scalars]:
+    """(P, 2) passages of one ribbon that come near each other, the second behind the first, and how near."""
+    at, ribbon, place = passages.arclengths.ravel(), passages.ribbons.ravel(), np.argsort(passages.order)
+    first = after = passages.order
+    pairs, ways = [], []
+    for _ in range(NEIGHBOURS):
+        after = passages.following[after]
+        kept = (after >= 0) & (after != first)
+        first, after = first[kept], after[kept]
+        apart = at[after] - at[first] + np.where(place[after] < place[first], lengths[ribbon[first]], 0.0)
+        near = apart < reach[first] + reach[after] + RAMP * width
+        pairs.append(np.stack([first, after], axis=1)[near])
+        ways.append(apart[near])
+    return np.concatenate(pairs), np.concatenate(ways)
 
 
-def _layers(pairs: Indices, needed: Scalars, above: Flags) -> tuple[list[list[int]], Scalars]:
-    """Passings that keep one height, as groups, and the share of its width that each is drawn with."""
+def _layers(pairs: Indices, needed: Scalars, above: Flags) -> tuple[Indices, Scalars]:
+    """Number of the layer of each passing, and the share of its width that it is drawn with."""
     count = len(above)
     group = np.arange(count)
     members = {i: [i] for i in range(count)}
@@ -279,7 +284,7 @@ def _layers(pairs: Indices, needed: Scalars, above: Flags) -> tuple[list[list[in
         elif turns[k]:
             for each in (i, j, i ^ 1, j ^ 1):
                 share[each] = min(share[each], max(float(needed[k]), NARROWEST))
-    return list(members.values()), share
+    return np.unique(group, return_inverse=True)[1], share
 
 
 def _can_be_one(first: int, second: int, members: dict[int, list[int]], group: Indices, above: Flags) -> bool:
@@ -306,54 +311,35 @@ def _missing(
     """(C,) by how much the two ribbons of each crossing have to part, measured all over what they share."""
     upper = np.flatnonzero(above)
     lower = upper ^ 1
-    along = np.linspace(-1.0, 1.0, 9)
-    across = np.linspace(-1.0, 1.0, 5)
-    grid = np.stack(np.meshgrid(along, across, indexing="ij"), axis=-1).reshape(-1, 2)
-    least = np.zeros(len(at) // 2)
     middle = [frames.there(ribbons[each], at[each]) for each in (upper, lower)]
     normal = middle[0][3] + middle[1][3]
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     apart = ((middle[0][0] - middle[1][0]) * normal).sum(axis=1)
-    for u, v in grid:
+    for u, v in itertools.product(np.linspace(-1.0, 1.0, 9), np.linspace(-1.0, 1.0, 5)):
         centre, _, left, _ = frames.there(ribbons[upper], at[upper] + u * reach[upper])
         point = centre + (v * half[upper])[:, None] * left
         below = at[lower] + ((point - middle[1][0]) * middle[1][1]).sum(axis=1)
         centre, _, left, _ = frames.there(ribbons[lower], below)
-        beside = ((point - centre) * left).sum(axis=1)
-        gap = ((point - centre - beside[:, None] * left) * normal).sum(axis=1)
-        shared = np.abs(beside) <= 1.05 * half[lower]
+        across = ((point - centre) * left).sum(axis=1)
+        gap = ((point - centre - across[:, None] * left) * normal).sum(axis=1)
+        shared = np.abs(across) <= 1.05 * half[lower]
         apart = np.where(shared, np.minimum(apart, gap), apart)
-    least[upper // 2] = apart
-    return np.maximum(clear - least, 0.0)
+    return np.maximum(clear - apart, 0.0)
 
 
-def _heights(groups: Sequence[Sequence[int]], above: Flags, lift: Scalars, deepest: float) -> Scalars:
+def _heights(group: Indices, above: Flags, lift: Scalars, deepest: float) -> Scalars:
     """(2 C,) heights that part the ribbons of each crossing by so much, as even about 0 as layers allow."""
-    number = np.zeros(len(above), dtype=np.int64)
-    for g, own in enumerate(groups):
-        number[list(own)] = g
-    over = np.flatnonzero(above)
-    # Two that lie alone: half each.
-    height = np.where(above, 0.5, -0.5) * np.repeat(lift, 2)
-    height += np.repeat(np.maximum(deepest + 0.5 * lift, 0.0), 2)
-    alone = np.array([len(own) == 1 for own in groups])
-    stacked = np.array([x for x in over if not (alone[number[x]] and alone[number[x ^ 1]])], dtype=np.int64)
-    links = np.stack([number[stacked], number[stacked ^ 1]], axis=1)
-    down: dict[int, list[tuple[int, float]]] = defaultdict(list)
-    for (upper, lower), apart in zip(links.tolist(), lift[stacked // 2].tolist(), strict=True):
-        down[upper].append((lower, apart))
-    level: dict[int, float] = {}
-
-    def depth(g: int) -> float:
-        if g not in level:
-            level[g] = max((depth(below) + each for below, each in down.get(g, ())), default=0.0)
-        return level[g]
-
-    # Groups that lie over or under each other, directly or through others, are set about 0 together.
-    part = connected_components(links, len(groups))
-    for one in np.unique(part[links[:, 0]]).tolist():
-        heights = {int(g): depth(int(g)) for g in np.flatnonzero(part == one)}
-        low = max(0.5 * (min(heights.values()) - max(heights.values())), deepest)
-        for g, high in heights.items():
-            height[list(groups[g])] = high + low
-    return height
+    upper = np.flatnonzero(above)
+    top, bottom = group[upper], group[upper ^ 1]
+    level = np.zeros(int(group.max(initial=-1)) + 1)
+    while True:  # no way down leads back (`_can_be_one`), so this ends
+        raised = level.copy()
+        np.maximum.at(raised, top, level[bottom] + lift)
+        if (raised == level).all():
+            break
+        level = raised
+    # What lies over or under each other, directly or through others, is set about 0 together.
+    part = connected_components(np.stack([top, bottom], axis=1), len(level))
+    highest = np.zeros(len(level))
+    np.maximum.at(highest, part, level)
+    return np.asarray((level + np.maximum(-0.5 * highest[part], deepest))[group])

@@ -15,7 +15,8 @@ import numpy as np
 from geoweave.arrays import Indices
 from geoweave.errors import FieldError
 from geoweave.fields import (
-    LAST_WEIGHT,
+    LAST_ETA,
+    PRESCRIBED_ETA,
     FaceField,
     Guide,
     MirrorImages,
@@ -113,13 +114,9 @@ class Steering:
     symmetric: MirrorAxis | Literal["off"] = "off"
 
     @property
-    def apart(self) -> float:
-        """Weight at the end of the term that keeps families apart: more where singularities are prescribed.
-
-        The smoothest RoSy has them where families are apart anyway; with others the families may run together
-        (DEVIATIONS.md, prescribed).
-        """
-        return LAST_WEIGHT if self.singularities is None else 3.0 * LAST_WEIGHT
+    def eta(self) -> float:
+        """What weighs at the end of Algorithm 1 that families stay apart, see `geodesic_field`."""
+        return LAST_ETA if self.singularities is None else PRESCRIBED_ETA
 
     def __post_init__(self) -> None:
         if not 0 <= self.merge < math.inf:

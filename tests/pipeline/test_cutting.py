@@ -65,4 +65,4 @@ def test_strips_of_another_thickness_than_at_rest_are_told(tmp_path: Path) -> No
         assert made.document()["thickness_at_rest"] == (None if told is None else pytest.approx(told))
     write_weave(cone(), tmp_path / "designed")
     made = cut_folder(tmp_path / "designed", request=CutRequest(thickness=2 * woven, formats=("csv",)))
-    assert made.at_rest is None
+    assert made.thickness_at_rest is None
