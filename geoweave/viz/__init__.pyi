@@ -63,6 +63,7 @@ from .turned_scene import Turned as Turned, turn as turn
 from .views import FROM_ABOVE as FROM_ABOVE, VIEWS as VIEWS, View as View
 from .weaves import (
     Woven as Woven,
+    clear_place as clear_place,
     colouring as colouring,
     weave_gallery as weave_gallery,
     weave_scene as weave_scene,

@@ -60,6 +60,7 @@ def grid(
     foot: float,
     gap: float = GAP,
     equal_columns: bool = True,
+    filling: bool = False,
 ) -> Figure:
     """Draw scenes in rows, models of a row equally tall, and leave room at the bottom.
 
@@ -72,6 +73,7 @@ def grid(
     tallest, foot, gap : height that no scene exceeds, room below, room between, in pixels at full width
     equal_columns : whether all columns are equally wide; if not, a scene takes the width it needs, and what
         is left of the row is shared out between its scenes
+    filling : whether each scene fills a square as wide as its column; if not, scenes of a row have one height
 
     Raises
     ------
@@ -86,7 +88,9 @@ def grid(
     rows = [range(start, min(start + per_row, len(scenes))) for start in range(0, len(scenes), per_row)]
     heights = []
     for row in rows:
-        if equal_columns:
+        if filling:
+            fitting = int(max(cell * min(1.0, 1.0 / scenes[k].aspect) for k in row))
+        elif equal_columns:
             fitting = min(int(cell / scenes[k].aspect) for k in row)
         else:
             # A last row with fewer panels is no taller than a full one.
@@ -100,8 +104,9 @@ def grid(
     with style.applied():
         top = unit * SIDE
         for row, height, words_below in zip(rows, heights, below, strict=True):
-            pictures = [scenes[k].draw(height) for k in row]
-            if equal_columns:
+            tall = [min(height, int(cell / scenes[k].aspect)) if filling else height for k in row]
+            pictures = [scenes[k].draw(each) for k, each in zip(row, tall, strict=True)]
+            if equal_columns or filling:
                 # A row that is not full stands in the middle.
                 first = unit * SIDE + 0.5 * (per_row - len(row)) * (cell + unit * gap) + 0.5 * cell
                 middles = [first + k * (cell + unit * gap) for k in range(len(row))]
@@ -112,7 +117,7 @@ def grid(
                     spare + start + 0.5 * each.shape[1] for start, each in zip(before, pictures, strict=False)
                 ]
             for k, pixels, middle in zip(row, pictures, middles, strict=True):
-                place(figure, pixels, middle - 0.5 * pixels.shape[1], top)
+                place(figure, pixels, middle - 0.5 * pixels.shape[1], top + 0.5 * (height - len(pixels)))
                 caption(figure, words[k], middle / width, top + height, unit)
             top += height + words_below + unit * gap
     return figure
@@ -128,6 +133,7 @@ def gallery(
     alt: str = "",
     colormaps: Sequence[Colormap] = (),
     accents: Sequence[str] = (),
+    filling: bool = False,
 ) -> Picture:
     """Draw scenes of any kind side by side: the stages of a pipeline (Fig. 18).
 
@@ -140,6 +146,7 @@ def gallery(
     tallest : height that no scene exceeds, in pixels of a figure of full width
     alt : one sentence that says what is to be seen
     colormaps, accents : maps, and colours of small things, for which the palette must keep a place
+    filling : whether each scene fills a square as wide as its column; if not, scenes of a row have one height
 
     Raises
     ------
@@ -154,7 +161,7 @@ def gallery(
     >>> picture.pixels.shape[1], picture.alt
     (300, 'left, right')
     """
-    figure = grid(scenes, words, columns=columns, width=width, tallest=tallest, foot=0)
+    figure = grid(scenes, words, columns=columns, width=width, tallest=tallest, foot=0, filling=filling)
     shades = [
         [share * each for each in to_rgb(colour)] for colour in sorted(set(accents)) for share in SHADES
     ]

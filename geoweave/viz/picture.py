@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from geoweave.viz.scene import Scene
 
 COLOURS = 256
-"""Colours in the palette of a published PNG; more do not show, and cost three times the bytes."""
-
+"""Colours in the palette of a picture within a notebook; a published one has them all, in twice the bytes."""
 
 INLINE_WIDTH, INLINE_BYTES = 1100, 200_000
 """Pixels across, and size, of a picture within a notebook."""
@@ -37,7 +36,7 @@ INLINE_WIDTH, INLINE_BYTES = 1100, 200_000
 class Picture:
     """A figure ready to be shown or published.
 
-    In a notebook it displays itself as a PNG of reduced size.
+    In a notebook it displays itself as a PNG of reduced size, with a palette.
 
     Attributes
     ----------
@@ -61,22 +60,26 @@ class Picture:
             pixels: NDArray[np.uint8] = np.asarray(canvas.buffer_rgba())[..., :3].copy()
             return pixels
 
-    def png(self, width: int | None = None) -> bytes:
-        """Encode as a PNG with a palette, at most ``width`` pixels wide; no date, no version, no path."""
+    def png(self, width: int | None = None, *, palette: bool = False) -> bytes:
+        """Encode as a PNG, at most ``width`` pixels wide; no date, no version, no path.
+
+        Every pixel keeps its colour; with a ``palette`` it gets one of 256, in about half the bytes.
+        """
         image = Image.fromarray(self.pixels)
         if width is not None and width < image.width:
             image = image.resize((width, round(image.height * width / image.width)), Image.Resampling.LANCZOS)
-        palette = self._palette(image)
-        held = with_palette(np.asarray(image), palette, COLOURS, Image.Dither.FLOYDSTEINBERG)
+        if palette:
+            chosen = self._palette(image)
+            image = with_palette(np.asarray(image), chosen, COLOURS, Image.Dither.FLOYDSTEINBERG)
         buffer = io.BytesIO()
-        held.save(buffer, format="PNG", optimize=True)
+        image.save(buffer, format="PNG", optimize=True)
         return buffer.getvalue()
 
-    def png_within(self, limit: int, width: int | None = None) -> bytes:
+    def png_within(self, limit: int, width: int | None = None, *, palette: bool = False) -> bytes:
         """Encode as large as fits into ``limit`` bytes, in steps of a tenth of the width."""
         full = min(width or self.pixels.shape[1], self.pixels.shape[1])
         for tenths in range(10, 1, -1):
-            encoded = self.png(full * tenths // 10)
+            encoded = self.png(full * tenths // 10, palette=palette)
             if len(encoded) <= limit:
                 return encoded
         raise RenderError(f"the figure does not fit into {limit:,} bytes even at a fifth of its size")
@@ -123,7 +126,7 @@ class Picture:
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
         return {
-            "image/png": self.png_within(INLINE_BYTES, INLINE_WIDTH),
+            "image/png": self.png_within(INLINE_BYTES, INLINE_WIDTH, palette=True),
             "text/plain": f"Picture({self.alt!r})",
         }
 

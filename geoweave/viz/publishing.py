@@ -18,7 +18,7 @@ from geoweave.files import replacing
 from geoweave.surface import TriMesh
 from geoweave.viz.picture import Picture
 
-LARGEST = 1_000_000
+LARGEST = 1_500_000
 """Bytes that a published picture may take."""
 
 LIBRARIES = ("numpy", "scipy", "numba", "matplotlib", "pyvista", "vtk")

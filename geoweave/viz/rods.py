@@ -12,6 +12,7 @@ from geoweave.errors import RenderError
 from geoweave.rods import Relaxed, Rods, rigid_fit, vertex_weights
 from geoweave.surface import TriMesh
 from geoweave.viz import style
+from geoweave.viz.ground import add_ground
 from geoweave.viz.layout import grid
 from geoweave.viz.picture import Picture
 from geoweave.viz.scales import FOOT, Scale, colour_bars
@@ -57,14 +58,14 @@ class Sprung:
         scene = Scene(view_of(self.view), focus=self.focus)
         # Flat strips cut a little into a surface that curves away from them; a veil would flicker with them.
         depth = (4.0 if self.opacity >= 1.0 else 2.0) * self.rods.material.thickness
-        sunk = TriMesh(self.target.vertices - depth * self.target.vertex_normals, self.target.faces)
-        if self.opacity < 1.0:
+        if self.opacity >= 1.0:
+            add_ground(scene, self.target, depth)
+        else:
             # At 0 it still says how large the picture is. Of a closed surface the far side is enough: the
             # near one would lie on what sank below it, and dull its colours.
             closed = not len(self.target.boundary_loops)
+            sunk = TriMesh(self.target.vertices - depth * self.target.vertex_normals, self.target.faces)
             scene.add_surface(sunk, colour=style.LINE, opacity=self.opacity, behind=closed)
-        else:
-            scene.add_surface(sunk)
         if self.values is not None:
             if scale is None:
                 raise RenderError(f"panel '{self.title}' has values: draw it in a gallery with a scale")
@@ -110,6 +111,7 @@ def rod_gallery(
     width: int = style.WIDTH,
     tallest: int = 1100,
     alt: str = "",
+    columns_alike: bool = False,
 ) -> Picture:
     """Draw elastic rods in rows of equal columns, with one colour bar if there is a scale.
 
@@ -118,6 +120,7 @@ def rod_gallery(
     panels : what to draw; the order is kept
     scale : what the values of the panels mean
     columns, width, tallest, alt : as of `gallery`
+    columns_alike : whether panels below each other, of one target from one view, are drawn at one scale
 
     Raises
     ------
@@ -132,6 +135,10 @@ def rod_gallery(
     'Ribbons as elastic rods: a cone'
     """
     scenes = [panel.scene(scale) for panel in panels]
+    if columns_alike:
+        per_row = columns or len(scenes)
+        for first in range(per_row):
+            _framed_alike(scenes[first::per_row])
     figure = grid(
         scenes,
         [(panel.title, panel.subtitle) for panel in panels],
@@ -145,6 +152,13 @@ def rod_gallery(
             colour_bars(figure, [scale])
     words = alt or "Ribbons as elastic rods: " + ", ".join(panel.title for panel in panels)
     return Picture(figure, words, () if scale is None else (scale.colormap,), tuple(scenes))
+
+
+def _framed_alike(scenes: Sequence[Scene]) -> None:
+    """Make room in each scene for what any of them makes room for."""
+    points = [each for scene in scenes for each in scene.framed()]
+    for scene in scenes:
+        scene.framed()[:] = points
 
 
 def _at_points(rods: Rods, values: Scalars) -> Scalars:

@@ -57,7 +57,7 @@ class Turnable:
             text_job(self.page)(temporary)
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
-        png = self.picture.png_within(INLINE_BYTES, INLINE_WIDTH)
+        png = self.picture.png_within(INLINE_BYTES, INLINE_WIDTH, palette=True)
         return {
             "text/html": _framed(self.page, png, self.picture.alt, self.height),
             "image/png": png,

@@ -33,6 +33,16 @@ def boxes(pixels: np.ndarray, greys: list[int]) -> list[tuple[int, int, int, int
     return found
 
 
+def test_scenes_that_fill_their_cells_are_as_large_as_a_square_of_the_column() -> None:
+    greys = [60, 90, 120]
+    blocks = [Block(aspect, grey) for aspect, grey in zip((0.5, 2.0, 1.0), greys, strict=True)]
+    figure = grid(blocks, [("", "")] * 3, columns=None, width=1100, tallest=900, foot=0, filling=True)
+    found = boxes(Picture(figure).pixels, greys)
+    longest = [max(right - left, bottom - top) for left, right, top, bottom in found]
+    assert np.ptp(longest) <= 2
+    assert len({top + bottom for _, _, top, bottom in found}) <= 2, "in the middle of the row"
+
+
 @pytest.mark.parametrize("equal", [True, False])
 def test_models_of_a_row_are_equally_tall_and_apart(equal: bool) -> None:
     greys = [60, 90, 120]

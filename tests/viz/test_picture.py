@@ -24,7 +24,11 @@ def test_a_png_keeps_its_colours_and_says_nothing_of_its_making() -> None:
     image = Image.open(io.BytesIO(encoded))
     assert image.size == picture.pixels.shape[1::-1]
     assert image.info.keys() <= {"transparency", "gamma"}
-    decoded = np.asarray(image.convert("RGB")).astype(float)
+    assert image.mode == "RGB"
+    assert (np.asarray(image) == picture.pixels).all()
+    held = Image.open(io.BytesIO(picture.png(palette=True)))
+    assert held.mode == "P"
+    decoded = np.asarray(held.convert("RGB")).astype(float)
     assert np.abs(decoded - picture.pixels).mean() < 2.5
     ground = (picture.pixels == 255).all(axis=2)
     assert (decoded[ground] == 255).all()

@@ -1,5 +1,6 @@
 """Elastic rods in pictures: strips with the sections of the rods, over and under, energies in colour."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -47,6 +48,19 @@ def test_pictures() -> None:
     picture = viz.rod_gallery([plain, coloured], scale=scale, width=600)
     assert "at rest" in picture.alt
     assert picture.colormaps == (scale.colormap,)
+
+
+def test_panels_below_each_other_have_one_scale() -> None:
+    found = relaxed()
+    moved = replace(found.left.rods, points=2.0 * found.left.rods.points)  # at rest, much larger
+    panels = [viz.Sprung(rods, found.weave.mesh, view="cone") for rods in (found.slid.rods, moved)]
+    aspects = []
+    for alike in (False, True):
+        picture = viz.rod_gallery(panels, columns=1, width=300, columns_alike=alike)
+        aspects.append([scene._frame()[3] for scene in picture.scenes])
+    assert aspects[0][1] > 1.3 * aspects[0][0]
+    assert aspects[1][1] == pytest.approx(aspects[1][0])
+    assert aspects[1][1] == pytest.approx(aspects[0][1], rel=0.1)
 
 
 def test_bad_input_is_refused() -> None:

@@ -33,7 +33,7 @@ def test_a_picture_has_all_three_hues() -> None:
         viz.weave_gallery([])
 
 
-def test_places_are_marked_in_red() -> None:
+def test_places_are_marked_in_white_with_a_dark_rim() -> None:
     weave = pattern()
     plain, marked = (
         viz.weave_gallery([viz.Woven(weave, view=viz.View(elevation=40), marked=places)], width=500)
@@ -41,9 +41,32 @@ def test_places_are_marked_in_red() -> None:
     )
     changed = (plain.pixels != marked.pixels).any(axis=2)
     assert 0.002 < changed.mean() < 0.2
-    red, green, blue = marked.pixels[changed].astype(float).mean(axis=0)
-    assert red > 1.3 * green
-    assert red > 1.3 * blue
+    seen = marked.pixels[changed].astype(int)
+    assert (seen.min(axis=1) > 215).mean() > 0.05
+    assert (seen.max(axis=1) < 90).mean() > 0.05
+
+
+def test_only_bright_ribbons_have_a_colour() -> None:
+    weave = pattern()
+    looks = (None, np.arange(2), np.zeros(0, dtype=np.int64))
+    shares = []
+    for bright in looks:
+        picture = viz.weave_gallery([viz.Woven(weave, view=viz.View(elevation=40), bright=bright)], width=400)
+        shares.append((np.ptp(picture.pixels.astype(int), axis=2) > 60).mean())
+    assert shares[0] > 3 * shares[1] > 0
+    assert shares[2] < 0.001
+
+
+def test_a_close_up_is_in_front_and_away_from_what_would_spoil_it() -> None:
+    ball = shapes.sphere(faces=1280)
+    view = viz.View(azimuth=20.0, elevation=10.0)
+    eye = view.axes[2]
+    place = viz.clear_place(ball.vertices, -eye[None], ball, view)
+    assert place @ eye > 0.99, "opposite to what is behind"
+    ahead = viz.clear_place(ball.vertices, eye[None], ball, view)
+    assert 0.5 < ahead @ eye < 0.6, "as far from it as still turns to the eye"
+    behind = viz.clear_place(-eye[None], eye[None], ball, view)
+    np.testing.assert_array_equal(behind, -eye)
 
 
 def test_crossing_ribbons_differ_in_colour_where_that_can_be() -> None:
