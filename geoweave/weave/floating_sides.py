@@ -54,9 +54,10 @@ def floating_sides(rules: Rules, effort: int) -> tuple[Indices, int]:
     """
     passages, links = rules.passages, rules.passages.relations
     search = _Search(rules)
-    e, f = rules.row.T
-    asked = 1 ^ links.parity[e] ^ links.parity[f]
-    rows = best_labels(len(passages), links.first[e], links.second[f], asked, None, max(1, effort // _PROOFS))
+    sides = rules.of_sides
+    rows = best_labels(
+        len(passages), sides.first, sides.second, sides.parity, None, max(1, effort // _PROOFS)
+    )
     stays = _staying(rules, max(1, effort // _PROOFS))
     bound = max(rows.bound, -(-stays.bound // 2))
     best, broken = search.improved(rows.labels.astype(np.int64))
@@ -73,26 +74,20 @@ def floating_sides(rules: Rules, effort: int) -> tuple[Indices, int]:
     return best, min(bound, broken)
 
 
-def _pairs(rules: Rules) -> tuple[Indices, Indices]:
-    """Opposite links of all cells: two pairs of each."""
-    return rules.cell[:, :2].ravel(), rules.cell[:, 2:].ravel()
-
-
 def _staying(rules: Rules, effort: int) -> Labelling:
     """Labels of the links that break the fewest rules, whether or not there are sides that have them."""
-    one, other = _pairs(rules)
-    first = np.concatenate([rules.row[:, 0], rules.row[:, 0], one])
-    second = np.concatenate([rules.row[:, 1], rules.row[:, 1], other])
-    parity = np.concatenate([np.ones(2 * len(rules.row), dtype=np.int64), np.full(len(one), rules.shifted)])
+    stays = rules.of_links
+    twice = np.concatenate([np.arange(len(rules.row)), np.arange(len(stays.rule))])
+    first, second, parity = stays.first[twice], stays.second[twice], stays.parity[twice]
     links = len(rules.passages.relations.first)
     return best_labels(links, first, second, parity, None, effort)
 
 
 def _both_ways(rules: Rules, labels: Flags) -> list[Flags]:
     """These labels of the links, and those that are opposite on one part of them: as good by themselves."""
-    one, other = _pairs(rules)
-    first, second = np.concatenate([rules.row[:, 0], one]), np.concatenate([rules.row[:, 1], other])
-    count, part = csgraph.connected_components(adjacency(len(labels), first, second), directed=False)
+    wishes = rules.of_links
+    graph = adjacency(len(labels), wishes.first, wishes.second)
+    count, part = csgraph.connected_components(graph, directed=False)
     largest = np.argsort(-np.bincount(part, minlength=count), kind="stable")[:_TRIES]
     return [labels, *(labels ^ (part == each) for each in largest)]
 

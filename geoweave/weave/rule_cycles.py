@@ -52,21 +52,18 @@ class _Cycles:
     """The wishes of all rules as one graph, the odd cycles found, and the bound that they give."""
 
     def __init__(self, rules: Rules, over: Indices) -> None:
-        links, row, cell = rules.passages.relations, rules.row, rules.cell
-        before, count = len(rules.passages), len(rules.row)
-        first = [links.first[row[:, 0]], before + row[:, 0], before + cell[:, 0], before + cell[:, 1]]
-        second = [links.second[row[:, 1]], before + row[:, 1], before + cell[:, 2], before + cell[:, 3]]
-        apart = 1 ^ links.parity[row[:, 0]] ^ links.parity[row[:, 1]]
-        wish = [apart, np.ones(count), np.full(2 * len(cell), rules.shifted)]
-        row_of, cell_of = np.arange(count), count + np.arange(len(cell))
-        start, end, parity = (np.concatenate(each).astype(np.int64) for each in (first, second, wish))
-        rule = np.concatenate([row_of, row_of, cell_of, cell_of])
+        crossings = len(rules.passages)
+        sides, stays = rules.of_sides, rules.of_links
+        start = np.concatenate([sides.first, crossings + stays.first])
+        end = np.concatenate([sides.second, crossings + stays.second])
+        parity = np.concatenate([sides.parity, stays.parity])
+        rule = np.concatenate([sides.rule, stays.rule])
         loop = start == end
         # A wish of a crossing with itself is met or broken whatever the sides.
         self.cycles = [np.array([each]) for each in np.unique(rule[loop & (parity == 1)])]
         self.start, self.end, self.parity, self.rule = (each[~loop] for each in (start, end, parity, rule))
         ones = np.ones(len(self.start), dtype=np.int64)
-        nodes = before + len(links.first)
+        nodes = crossings + len(rules.passages.relations.first)
         self.doubled = DoubledGraph(
             Graph(nodes, self.start, self.end, self.parity, ones, ones.astype(np.float64))
         )

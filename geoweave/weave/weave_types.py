@@ -12,7 +12,7 @@ crossings (i, j) where ``(i + j) mod 4 < 2``, or its mirror image, and blocks of
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias, get_args
 
 import numpy as np
 
@@ -20,12 +20,12 @@ from geoweave.arrays import Flags, Indices, frozen
 from geoweave.errors import FieldError
 from geoweave.weave.passages import Passages
 
-__all__ = ["FLOATING", "WEAVE_TYPES", "Rules", "WeaveType", "rules_of", "weave_type_of"]
+__all__ = ["FLOATING", "WEAVE_TYPES", "Rules", "WeaveType", "Wishes", "rules_of", "weave_type_of"]
 
 WeaveType: TypeAlias = Literal["kagome", "plain", "twill", "basket"]
 """Strict alternation in three families or in two; over two and under two, shifted by one or by none."""
 
-WEAVE_TYPES: tuple[WeaveType, ...] = ("kagome", "plain", "twill", "basket")
+WEAVE_TYPES: tuple[WeaveType, ...] = get_args(WeaveType)
 """All of them."""
 
 FLOATING = ("twill", "basket")
@@ -64,6 +64,19 @@ def weave_type_of(symmetry: int | None, pattern: WeaveType | None) -> tuple[int,
     return symmetry, pattern
 
 
+class Wishes(NamedTuple):
+    """Labels of two things each: ``x[first] ^ x[second] == parity``."""
+
+    first: Indices
+    """(W,) one of the two."""
+    second: Indices
+    """(W,) the other one."""
+    parity: Indices
+    """(W,) 1 where the labels are to differ."""
+    rule: Indices
+    """(W,) the rule that wants it."""
+
+
 class Rules(NamedTuple):
     """What a twill or a basket asks of the links of a weave; links are rows of `Passages.relations`."""
 
@@ -87,6 +100,24 @@ class Rules(NamedTuple):
         shared = (ends[:, 0, :, None] == ends[:, 3, None, :]).any(axis=2)
         corner = np.where(shared[:, 0], ends[:, 0, 0], ends[:, 0, 1])
         return np.concatenate([links.second[self.row[:, 0]], corner])
+
+    @property
+    def of_sides(self) -> Wishes:
+        """What the rules of rows want of the sides at crossings two apart."""
+        links, (e, f) = self.passages.relations, self.row.T
+        parity = 1 ^ links.parity[e] ^ links.parity[f]
+        return Wishes(links.first[e], links.second[f], parity, np.arange(len(self.row)))
+
+    @property
+    def of_links(self) -> Wishes:
+        """What all rules want of the labels y of links; each cell wants it of both its pairs."""
+        rows, cells = len(self.row), len(self.cell)
+        return Wishes(
+            np.concatenate([self.row[:, 0], self.cell[:, :2].ravel()]),
+            np.concatenate([self.row[:, 1], self.cell[:, 2:].ravel()]),
+            np.repeat(np.array([1, self.shifted], dtype=np.int64), [rows, 2 * cells]),
+            np.concatenate([np.arange(rows), rows + np.repeat(np.arange(cells), 2)]),
+        )
 
     def broken(self, over: Indices) -> Flags:
         """(K + Q,) rules that sides break, those of rows first."""
