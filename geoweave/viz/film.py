@@ -16,7 +16,8 @@ from geoweave.rods import Rods
 from geoweave.surface import TriMesh
 from geoweave.viz.picture import palette_of, with_palette
 from geoweave.viz.rods import Sprung
-from geoweave.viz.scene import Pixels, Scene
+from geoweave.viz.scene import Scene
+from geoweave.viz.shot import Pixels
 from geoweave.viz.views import View
 
 LARGEST = 300_000

@@ -12,7 +12,8 @@ from matplotlib.figure import Figure
 from geoweave.errors import RenderError
 from geoweave.viz import style
 from geoweave.viz.picture import Picture, sheet
-from geoweave.viz.scene import Pixels, Scene
+from geoweave.viz.scene import Scene
+from geoweave.viz.shot import Pixels
 
 SIDE, GAP, TITLE, SUBTITLE = 34, 50, 58, 40
 """Pixels of a full-width figure: its border, between panels, for each line of words under one."""

@@ -30,7 +30,7 @@ from geoweave.fabrication import (
     write_pdf,
 )
 from geoweave.viz import style
-from geoweave.viz.scene import Pixels
+from geoweave.viz.shot import Pixels
 
 POINT = 25.4 / 72
 """Millimetres of a point, the unit of a PDF."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pyvista as pv
@@ -17,10 +17,8 @@ from geoweave.curves import Curves
 from geoweave.errors import RenderError
 from geoweave.surface import Similarity, TriMesh
 from geoweave.viz import style
+from geoweave.viz.shot import Actor, Camera, Pixels, shot
 from geoweave.viz.views import View
-
-Pixels = NDArray[np.uint8]
-"""(height, width, 3) uint8."""
 
 SUPERSAMPLING = 2
 """Pictures are rendered this much larger in both directions and averaged down."""
@@ -57,10 +55,9 @@ class Scene:
 
     view: View = field(default_factory=View)
     focus: tuple[Sequence[float], float] | None = None
-    _actors: list[tuple[pv.PolyData, dict[str, Any]]] = field(default_factory=list)
+    _actors: list[Actor] = field(default_factory=list)
     _points: list[Vectors] = field(default_factory=list)
     _placement: Similarity | None = None
-    _light: dict[int, tuple[pv.PolyData, float | None]] = field(default_factory=dict)
 
     # -- what is in it ----------------------------------------------------------------------------------
 
@@ -106,7 +103,7 @@ class Scene:
         if opacity < 1.0:
             # A transparent surface casts no shade on what lies behind it.
             look |= {"opacity": opacity, "occludes": False}
-        self._actors.append((soup, look))
+        self._actors.append(Actor(soup, look))
         self._points.append(placed)
 
     def add_periodic(
@@ -140,7 +137,7 @@ class Scene:
         wheel = colormap or style.cyclic()
         look: dict[str, Any] = {"texture": _wheel(wheel, colour), "color": "white", "wheel": wheel}
         look |= {"ambient": 0.30, "diffuse": 0.74, "specular": 0.08, "specular_power": 10.0, "occludes": True}
-        self._actors.append((soup, look))
+        self._actors.append(Actor(soup, look))
         self._points.append(placed)
 
     def add_curves(
@@ -165,8 +162,7 @@ class Scene:
             look = {"scalars": "values", "cmap": colormap or style.sequential(), "clim": limits}
         tubes = thread.tube(radius=radius / placement.scale, n_sides=8)
         look |= {"ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
-        self._light[len(self._actors)] = (thread, radius / placement.scale)
-        self._actors.append((tubes, look))
+        self._actors.append(Actor(tubes, look, thread, radius / placement.scale))
 
     def add_segments(self, ends: Vectors, radius: float, colour: str = style.INK) -> None:
         """Add straight bars between pairs of points, ``ends`` (N, 2, 3), such as the edges of the mesh."""
@@ -175,8 +171,8 @@ class Scene:
         lines = np.insert(np.arange(2 * count).reshape(-1, 2), 0, 2, axis=1).ravel()
         bars = pv.PolyData(placement.apply(ends.reshape(-1, 3)), lines=lines)
         look = {"color": colour, "ambient": 0.45, "diffuse": 0.60, "specular": 0.05}
-        self._light[len(self._actors)] = (bars, radius / placement.scale)
-        self._actors.append((bars.tube(radius=radius / placement.scale, n_sides=6), look))
+        radius /= placement.scale
+        self._actors.append(Actor(bars.tube(radius=radius, n_sides=6), look, bars, radius))
 
     def add_arrows(self, points: Vectors, vectors: Vectors, colour: str) -> None:
         """Add solid arrows from points (N, 3) along vectors (N, 3), as long as these."""
@@ -185,7 +181,7 @@ class Scene:
         shafts.point_data["vectors"] = vectors / placement.scale
         arrow = pv.Arrow(tip_length=0.36, tip_radius=0.13, shaft_radius=0.05, tip_resolution=16)
         glyphs = shafts.glyph(orient="vectors", scale="vectors", factor=1.0, geom=arrow)
-        self._actors.append((glyphs, {"color": colour, "ambient": 0.45, "diffuse": 0.6}))
+        self._actors.append(Actor(glyphs, {"color": colour, "ambient": 0.45, "diffuse": 0.6}))
 
     def add_solid(
         self,
@@ -211,13 +207,13 @@ class Scene:
             look = {"scalars": "values", "cmap": colormap or style.sequential(), "clim": limits}
         shaded = solid.compute_normals(cell_normals=False, split_vertices=True, feature_angle=40.0)
         look |= {"ambient": 0.32, "diffuse": 0.70, "specular": 0.06, "occludes": True}
-        self._actors.append((shaded, look))
+        self._actors.append(Actor(shaded, look))
         if values is None:
             edges = solid.extract_feature_edges(
                 feature_angle=60.0, boundary_edges=False, non_manifold_edges=False, manifold_edges=False
             )
             line = {"color": style.darker(colour), "line_width": EDGE * SUPERSAMPLING, "lighting": False}
-            self._actors.append((edges, line))
+            self._actors.append(Actor(edges, line))
         if framed:
             self._points.append(placed)
 
@@ -229,9 +225,9 @@ class Scene:
             centres = placement.apply(points[np.array([each == colour for each in colours])])
             balls = pv.PolyData(centres).glyph(geom=ball, scale=False, orient=False)
             coarse = pv.Sphere(radius=radius / placement.scale, theta_resolution=8, phi_resolution=6)
-            light = pv.PolyData(centres).glyph(geom=coarse, scale=False, orient=False)
-            self._light[len(self._actors)] = (light, None)
-            self._actors.append((balls, {"color": colour, "ambient": 0.35, "diffuse": 0.7, "specular": 0.2}))
+            lean = pv.PolyData(centres).glyph(geom=coarse, scale=False, orient=False)
+            look = {"color": colour, "ambient": 0.35, "diffuse": 0.7, "specular": 0.2}
+            self._actors.append(Actor(balls, look, lean))
 
     def add_singularities(self, vertices: Vectors, indices: Indices, radius: float) -> None:
         """Add a dot at each vertex of index (V,) other than 0: warm where positive, blue where negative."""
@@ -239,10 +235,9 @@ class Scene:
         colours = [style.SOURCE if indices[v] > 0 else style.SADDLE for v in marked]
         self.add_dots(vertices[marked], radius, colours)
 
-    def light_actors(self) -> list[tuple[pv.PolyData, dict[str, Any], float | None]]:
-        """What is drawn and how it looks, with lines and the radius to draw them with in place of tubes."""
-        light = [self._light.get(k, (data, None)) for k, (data, _) in enumerate(self._actors)]
-        return [(data, look, radius) for (data, radius), (_, look) in zip(light, self._actors, strict=True)]
+    def actors(self) -> list[Actor]:
+        """What is drawn and how it looks."""
+        return self._actors
 
     def framed(self) -> list[Vectors]:
         """Points that the picture makes room for, as they are placed."""
@@ -281,16 +276,16 @@ class Scene:
             width = max(8, round(height * aspect))
         # A picture narrower than the model would clip it: open the lens until the width fits.
         half *= max(1.0, aspect * height / width)
-        camera = _Camera(self.view.axes, centre, distance, half)
+        camera = Camera(self.view.axes, centre, distance, half)
         extent = max(float(np.linalg.norm(np.ptp(p, axis=0))) for p in self._points)
-        picture = _shot(self._actors, camera, extent, (SUPERSAMPLING * width, SUPERSAMPLING * height))
+        picture = shot(self._actors, camera, extent, (SUPERSAMPLING * width, SUPERSAMPLING * height))
         if (picture == 255).all():
             raise RenderError("the renderer drew nothing: run 'geoweave doctor' to see what it needs")
         small = Image.fromarray(picture).resize((width, height), Image.Resampling.BOX)
         # Occlusion by the surface alone: threads are too thin to cast shade, and would only make noise.
         white = {"color": "white", "ambient": 0.98, "diffuse": 0.02}
-        surfaces = [(data, white) for data, look in self._actors if look.get("occludes")]
-        shade = _shot(surfaces, camera, extent, (width, height), occlusion=OCCLUSION_RADIUS * extent)
+        surfaces = [Actor(each.data, white) for each in self._actors if each.look.get("occludes")]
+        shade = shot(surfaces, camera, extent, (width, height), occlusion=OCCLUSION_RADIUS * extent)
         soft = Image.fromarray(shade).filter(ImageFilter.GaussianBlur(OCCLUSION_BLUR * height))
         light = np.minimum(1.0, np.asarray(soft) / (255.0 * OCCLUSION_OPEN)) ** OCCLUSION_STRENGTH
         lit = np.asarray(small)
@@ -354,47 +349,3 @@ def _wheel(colormap: Colormap, colour: str) -> pv.Texture:
     texture = pv.Texture(image.astype(np.uint8))
     texture.repeat, texture.interpolate = True, True
     return texture
-
-
-class _Camera(NamedTuple):
-    axes: Vectors
-    centre: Vectors
-    distance: float
-    half: float
-
-
-def _shot(
-    actors: Sequence[tuple[pv.PolyData, dict[str, Any]]],
-    camera: _Camera,
-    extent: float,
-    size: tuple[int, int],
-    occlusion: float = 0.0,
-) -> Pixels:
-    """Render once; with ``occlusion`` > 0 the renderer darkens what is hidden within that radius."""
-    plotter = pv.Plotter(
-        off_screen=True, window_size=list(size), lighting="none", theme=pv.themes.DocumentTheme()
-    )
-    plotter.background_color = style.GROUND
-    for data, look in actors:
-        options = {name: value for name, value in look.items() if name not in ("occludes", "wheel")}
-        plotter.add_mesh(data, smooth_shading=True, show_scalar_bar=False, copy_mesh=False, **options)
-    right, up, eye = camera.axes
-    # A key light over the left shoulder, a soft fill from the right and from the eye, a weak rim from behind.
-    for direction, intensity, colour in (
-        (-0.6 * right + 0.8 * up + 1.0 * eye, 0.68, "#fffaf2"),
-        (eye, 0.18, "#ffffff"),
-        (1.0 * right + 0.1 * up + 0.9 * eye, 0.36, "#fdf8f0"),
-        (0.2 * right + 0.9 * up - 1.0 * eye, 0.20, "#ffffff"),
-    ):
-        light = pv.Light(position=direction, focal_point=(0, 0, 0), color=colour, intensity=intensity)
-        plotter.add_light(light)
-    plotter.camera.position = camera.centre + camera.distance * eye
-    plotter.camera.focal_point = camera.centre
-    plotter.camera.up = up
-    plotter.camera.view_angle = np.degrees(2.0 * np.arctan(camera.half / camera.distance))
-    plotter.camera.clipping_range = (camera.distance - extent, camera.distance + extent)
-    if occlusion > 0.0:
-        plotter.enable_ssao(radius=occlusion, bias=0.08 * occlusion, kernel_size=128, blur=True)
-    picture = np.asarray(plotter.screenshot(return_img=True))[..., :3]
-    plotter.close()
-    return np.ascontiguousarray(picture)

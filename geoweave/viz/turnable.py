@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import html
 from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
@@ -12,6 +13,7 @@ from geoweave.fabrication import viewer_html
 from geoweave.files import replacing, text_job
 from geoweave.rods import Relaxed
 from geoweave.viz.picture import INLINE_BYTES, INLINE_WIDTH, Picture
+from geoweave.viz.turned_scene import page_within
 from geoweave.viz.woven_picture import weave as still
 from geoweave.weave import Weave, inspected
 
@@ -95,12 +97,10 @@ def show(woven: Weave | Relaxed, *, title: str = "weave", height: int = HEIGHT) 
 
 def _framed(page: str, png: bytes, alt: str, height: int) -> str:
     """A page within a cell, in front of the still picture, which is seen where frames are taken out."""
-    held = page.replace("&", "&amp;").replace('"', "&quot;")
-    said = alt.replace("&", "&amp;").replace('"', "&quot;")
-    data = base64.b64encode(png).decode("ascii")
+    said, data = html.escape(alt), base64.b64encode(png).decode("ascii")
     fills = "position:absolute;left:0;top:0;width:100%;height:100%;border:0"
     return (
         f'<div style="position:relative;height:{height}px;background:#fbfaf7">'
         f'<img src="data:image/png;base64,{data}" alt="{said}" style="{fills};object-fit:contain">'
-        f'<iframe srcdoc="{held}" title="{said}" style="{fills}"></iframe></div>'
+        f"{page_within(page, alt, fills)}</div>"
     )

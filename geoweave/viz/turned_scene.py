@@ -25,7 +25,7 @@ from geoweave.errors import RenderError
 from geoweave.viz.picture import Picture
 from geoweave.viz.scene import Scene
 
-__all__ = ["Turned", "turn"]
+__all__ = ["Turned", "page_within", "turn"]
 
 HEIGHT = 460
 """Of the page within a cell, pixels."""
@@ -64,15 +64,14 @@ class Turned:
         """The page, which needs nothing but itself; same scene, same text."""
         data = json.dumps(_content(self.scene, self.detail), separators=(",", ":"), allow_nan=False)
         template = (PACKAGE / "viz" / "turn.html").read_text(encoding="utf-8")
-        named = template.replace("@TITLE@", html.escape(self.title))
-        return named.replace("@CONTENT@", data.replace("</", "<\\/"))
+        # The content first: it holds no mark of the template, as a title may.
+        filled = template.replace("@CONTENT@", data.replace("</", "<\\/"))
+        return filled.replace("@TITLE@", html.escape(self.title))
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
-        held = self.page.replace("&", "&amp;").replace('"', "&quot;")
-        said = html.escape(self.title)
-        style = f"width:100%;height:{HEIGHT}px;border:0"
+        frame = page_within(self.page, self.title, f"width:100%;height:{HEIGHT}px;border:0")
         return {
-            "text/html": f'<iframe srcdoc="{held}" title="{said}" style="{style}"></iframe>\n'
+            "text/html": f"{frame}\n"
             "<p><small>In JupyterLab and on the site this view can be turned. Where it is not seen, the "
             "picture above shows the same.</small></p>",
             "text/plain": f"Turned({self.title!r})",
@@ -121,6 +120,13 @@ def turn(what: Picture | Scene | Staged, panel: int = 0, *, title: str = "", det
     return Turned(what.scene(), title or str(getattr(what, "title", "")) or "a scene", detail)
 
 
+def page_within(page: str, title: str, style: str) -> str:
+    """A page within another one, as HTML of one line."""
+    # Quotes alone would end the attribute; "<" may stand in it, and as "&lt;" would make it longer.
+    held = page.replace("&", "&amp;").replace('"', "&quot;")
+    return f'<iframe srcdoc="{held}" title="{html.escape(title)}" style="{style}"></iframe>'
+
+
 def _content(scene: Scene, detail: float) -> dict[str, Any]:
     """What the page knows: faces and lines, in units of the largest distance from the middle.
 
@@ -128,7 +134,9 @@ def _content(scene: Scene, detail: float) -> dict[str, Any]:
     """
     solids: list[tuple[pv.PolyData, NDArray[np.uint8]]] = []
     threads: list[tuple[pv.PolyData, NDArray[np.uint8], float]] = []
-    for data, look, radius in scene.light_actors():
+    for actor in scene.actors():
+        look, radius = actor.look, actor.radius
+        data = actor.data if actor.lean is None else actor.lean
         # The dark edges of ribbons are lines of no thickness: a page has no place for so many.
         if look.get("opacity", 1.0) < 1.0 or (radius is None and not len(data.faces)):
             continue
