@@ -124,7 +124,7 @@ def minimized(
     now, share = problem.completed(problem.tried(rods)), 0.0
     history: list[Step] = []
     foreseen = [np.zeros_like(r) for r in now.residuals]
-    damping, shift, ending, level = DAMPING[1], NEWTON[1], "", 1.0
+    damping, shift, ending, gain = DAMPING[1], NEWTON[1], "", 1.0
     with one_blas_thread():
         while True:
             history.append(Step(len(history), now.energies, now.relative, share))
@@ -136,11 +136,11 @@ def minimized(
             if len(history) > numbers.most_steps:
                 ending = f"after {numbers.most_steps} steps the forces do not balance yet"
                 break
-            if numbers.level > 0 and level <= numbers.level:
-                ending = f"a step lowered the energy by less than {numbers.level:g} of it"
+            if numbers.least_gain > 0 and gain <= numbers.least_gain:
+                ending = f"a step lowered the energy by at most {numbers.least_gain:g} of it"
                 break
             taken = None
-            if (now.relative < NEAR or level < STALLED) and problem.is_foreseen(now, foreseen):
+            if (now.relative < NEAR or gain < STALLED) and problem.is_foreseen(now, foreseen):
                 taken, shift = problem.newton(now, shift, foreseen, numbers)
             matrix = problem.matrix(now) if taken is None else None
             while matrix is not None and taken is None and damping <= DAMPING[2]:
@@ -160,6 +160,6 @@ def minimized(
             reached = taken.share * taken.whole
             linear = problem.linear(now, taken.step)
             foreseen = [f + reached * (r - f) for f, r in zip(foreseen, linear, strict=True)]
-            level = (now.energy - taken.trial.energy) / max(abs(now.energy), 1e-300)
+            gain = (now.energy - taken.trial.energy) / max(abs(now.energy), 1e-300)
             now, share = problem.completed(taken.trial), taken.share
     return Equilibrium(now.rods, now.relative <= numbers.tolerance, tuple(history), ending)

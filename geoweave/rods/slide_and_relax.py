@@ -66,7 +66,7 @@ SLID = 1e-3
 ROUGHLY = 1e-2
 """Tolerance of all rounds of sliding but the last."""
 
-LEVEL = 1e-4
+LEAST_GAIN = 1e-4
 """All rounds but the last end too when a step lowers the energy by less than this share of it."""
 
 STILL = 1e-3
@@ -136,7 +136,9 @@ def slide_rods(
     if rounds < 1:
         raise RodError(f"sliding takes one round or more, not {rounds}")
     numbers = stepping or Stepping(tolerance=SLID)
-    rough = replace(numbers, tolerance=max(numbers.tolerance, ROUGHLY), level=max(numbers.level, LEVEL))
+    rough = replace(
+        numbers, tolerance=max(numbers.tolerance, ROUGHLY), least_gain=max(numbers.least_gain, LEAST_GAIN)
+    )
     way = _Sliding(rods, surface, springs or Springs(), _held(rods, fixed), callback)
     current, holding = rods, outermost(rods)
     steps: list[Step] = []

@@ -37,7 +37,7 @@ class Stepping:
     turn : largest angle by which a step may turn a segment, radians
     sufficient : share of the predicted decrease of the energy that a step must achieve (Armijo)
     shortest : share of the full step at which the line search gives up
-    level : the iteration ends, not converged, when a step lowers the energy by less than this share of it;
+    least_gain : the iteration ends, not converged, when a step lowers the energy by at most this share of it;
         zero for never
 
     Raises
@@ -56,12 +56,12 @@ class Stepping:
     turn: float = 0.5
     sufficient: float = 1e-4
     shortest: float = 1e-6
-    level: float = 0.0
+    least_gain: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("tolerance", "most_steps", "turn", "sufficient", "shortest", "level"):
+        for name in ("tolerance", "most_steps", "turn", "sufficient", "shortest", "least_gain"):
             value = getattr(self, name)
-            if not (np.isfinite(value) and (value > 0 or (name == "level" and value == 0))):
+            if not (np.isfinite(value) and (value > 0 or (name == "least_gain" and value == 0))):
                 raise FieldError(f"'{name}' of the equilibrium must be a positive number, not {value}")
 
 

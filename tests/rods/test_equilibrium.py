@@ -232,7 +232,7 @@ def test_an_iteration_may_end_where_the_energy_is_level():
     rods = crumpled()
     terms = elastic_terms(rods.layout)
     whole = minimized(rods, terms)
-    short = minimized(rods, terms, stepping=Stepping(level=0.05))
+    short = minimized(rods, terms, stepping=Stepping(least_gain=0.05))
     assert not short.converged
     assert len(short.steps) < len(whole.steps)
     assert short.steps[-2].energy - short.steps[-1].energy <= 0.05 * short.steps[-2].energy
