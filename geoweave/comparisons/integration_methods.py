@@ -24,6 +24,7 @@ from geoweave.foliation import (
     QUANTILE,
     Alignment,
     CircleFunction,
+    Steps,
     Weighting,
     alignment,
     foliate,
@@ -168,10 +169,10 @@ def integrated(field: FaceField, method: Method, frequency: float) -> Integratio
     first, weighting = _first(w, method)
     mean = float(np.average(first, weights=w.mesh.face_areas))
     start = frequency / (mean * global_scale(w, first, QUANTILE))
-    held = method == "s held"
+    steps: Steps = "theta" if method == "s held" else "joint"
 
     def made(factor: float) -> CircleFunction:
-        circle = foliate(field, scale=factor, rescaling=first, weighting=weighting, hold_s=held).circle
+        circle = foliate(field, scale=factor, rescaling=first, weighting=weighting, steps=steps).circle
         # On the one mesh that all methods share: each foliation cuts the same part anew.
         return CircleFunction(w.mesh, circle.theta, circle.jumps)
 

@@ -3,6 +3,7 @@ from .foliation import (
     LEAST_FIRST as LEAST_FIRST,
     QUANTILE as QUANTILE,
     Foliation as Foliation,
+    Steps as Steps,
     Weighting as Weighting,
     foliate as foliate,
     global_scale as global_scale,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
@@ -38,6 +38,10 @@ LEAST_FREQUENCY = 0.2
 
 LEAST_FIRST = 0.02
 """A first s from Eq. 7 is raised to this share of its median where it is smaller or negative."""
+
+
+Steps: TypeAlias = Literal["joint", "turns", "theta"]
+"""Of an alternation: in theta and s together, in one after the other, in theta alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +143,7 @@ def foliate(
     quantile: float = QUANTILE,
     alternations: int = 10,
     tolerance: float = 1e-4,
-    hold_s: bool = False,
-    in_turns: bool = False,
+    steps: Steps = "joint",
     smoothness: float = SMOOTHNESS,
     seed: int = 0,
     ordering: Ordering | None = None,
@@ -171,7 +174,8 @@ def foliate(
     weighting, quantile : see above and `global_scale`
     alternations : how often theta and s are updated at most
     tolerance : an alternation that lowers the energy by no more than this share is the last; none if negative
-    hold_s, in_turns : find theta alone, at the first s; update theta and s in turns, as the paper does
+    steps : of each alternation: "joint" in theta and s together, "turns" in one after the other as the paper
+        does, "theta" in theta alone, at the first s
     smoothness : mu of Eq. 8, in squared bounding radii
     seed : start of the first eigenvector iteration
     ordering : of `vertices_and_faces` on the punctured surface, with the places of triples; made if not given
@@ -180,7 +184,7 @@ def foliate(
     Raises
     ------
     FieldError
-        If a parameter is out of range, or s is held where phases are coupled.
+        If a parameter is out of range, or phases are coupled and the steps not joint.
     MeshError
         If every face touches a singular vertex.
 
@@ -191,7 +195,7 @@ def foliate(
     >>> bool((np.diff(foliation.energies) <= 0).all()), len(gw.isolines(foliation)) > 2
     (True, True)
     """
-    _check(scale, alternations, weighting, (hold_s or in_turns) and triples is not None)
+    _check(scale, alternations, weighting, steps, triples is not None)
     w, part = punctured(field)
     coupled = None if triples is None else triples.on(part)
     ordering = ordering or vertices_and_faces(w.mesh, None if coupled is None else coupled.places)
@@ -202,8 +206,7 @@ def foliate(
     with one_blas_thread():
         if coupled is None:
             problem = Alternation(w, s, unit, mu, ordering)
-            kind: Steps = "theta" if hold_s else "turns" if in_turns else "joint"
-            found = _alternated(problem, problem.start(seed), s, alternations, tolerance, kind, callback)
+            found = _alternated(problem, problem.start(seed), s, alternations, tolerance, steps, callback)
         else:
             found = _regular(RegularSteps(w, s, unit, mu, ordering, coupled), s, seed, callback)
     circle = CircleFunction.nearest(w.mesh, found.theta, edge_prediction(w, found.s))
@@ -212,8 +215,10 @@ def foliate(
     return Foliation(w, part, frozen(found.s), circle, tuple(found.energies), *changes)
 
 
-def _check(scale: float, alternations: int, weighting: str, both: bool) -> None:
-    if both:
+def _check(scale: float, alternations: int, weighting: str, steps: Steps, coupled: bool) -> None:
+    if steps not in get_args(Steps):
+        raise FieldError(f"there are no steps '{steps}': {', '.join(get_args(Steps))}")
+    if coupled and steps != "joint":
         raise FieldError("the phases of families cannot be coupled while s is held, or in turns")
     if not (np.isfinite(scale) and scale > 0):
         raise FieldError(f"the scale of a foliation must be a positive number, not {scale}")
@@ -232,10 +237,6 @@ def _check_frequency(circle: CircleFunction, s: Scalars) -> None:
             "the level sets would lie farther apart than the surface is wide, so theta is nearly constant; "
             "ask for a larger scale"
         )
-
-
-Steps = Literal["joint", "turns", "theta"]
-"""Of an alternation: in theta and s together, in one after the other, in theta alone."""
 
 
 @dataclass

@@ -88,9 +88,9 @@ def test_the_papers_own_variant_runs_too(name: str) -> None:
 def test_the_factor_and_the_relative_weights_pay() -> None:
     """Without an s, at the same frequency, level sets leave the field by more (Section 4.2.5)."""
     field = designed("genus 5")
-    ours, bare = foliate(field), foliate(field, rescaling=None, hold_s=True)
+    ours, bare = foliate(field), foliate(field, rescaling=None, steps="theta")
     per_length = [np.average(np.abs(f.circle.gradient), weights=f.part.mesh.face_areas) for f in (ours, bare)]
-    bare = foliate(field, rescaling=None, hold_s=True, scale=per_length[0] / per_length[1])
+    bare = foliate(field, rescaling=None, steps="theta", scale=per_length[0] / per_length[1])
     assert ours.alignment.mean < 0.8 * bare.alignment.mean
 
 
@@ -129,6 +129,7 @@ def test_what_is_out_of_range_is_refused() -> None:
         ({"scale": np.nan}, "scale"),
         ({"alternations": 0}, "alternation"),
         ({"weighting": "odd"}, "weighting"),
+        ({"steps": "odd"}, "steps"),
         ({"quantile": 0.0}, "quantile"),
         ({"rescaling": np.zeros(field.mesh.n_faces)}, "positive"),
         ({"rescaling": np.ones(3)}, "positive"),
@@ -160,11 +161,11 @@ def test_in_turns_goes_on_where_both_together_have_settled() -> None:
     """The paper's own alternation: no step in both. It lowers the energy too, but more slowly at first."""
     field = gw.geodesic_field(gw.smoothest_field(gw.shapes.sphere(faces=320)), phases=4).field
     asked: dict[str, Any] = {"alternations": 12, "tolerance": -1.0}
-    together, turns = gw.foliate(field, **asked), gw.foliate(field, in_turns=True, **asked)
+    together, turns = gw.foliate(field, **asked), gw.foliate(field, steps="turns", **asked)
     for found in (together, turns):
         assert len(found.theta_changes) == 12, "a negative tolerance ends nothing"
         assert (np.diff(found.energies) <= 1e-12 * found.energies[0]).all()
     assert turns.energies[2] > together.energies[2]
-    held = gw.foliate(field, hold_s=True, alternations=3)
-    assert (held.s == gw.foliate(field, hold_s=True, alternations=1).s).all()
+    held = gw.foliate(field, steps="theta", alternations=3)
+    assert (held.s == gw.foliate(field, steps="theta", alternations=1).s).all()
     assert (turns.s != held.s).any()

@@ -69,4 +69,4 @@ def test_the_phase_stiffens_up_to_what_eq_8_asks_for() -> None:
 def test_a_held_s_cannot_be_coupled() -> None:
     field, triples = three_sheets()
     with pytest.raises(FieldError, match="while s is held"):
-        gw.foliate(field, triples=triples, hold_s=True)
+        gw.foliate(field, triples=triples, steps="theta")
