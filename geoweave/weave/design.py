@@ -25,13 +25,14 @@ from geoweave.surface import Similarity, TriMesh
 from geoweave.weave import interlacing
 from geoweave.weave.as_asked import Met
 from geoweave.weave.cover import Cover, Leaves, branched_cover, family_count
+from geoweave.weave.matched_ends import with_matched_ends
 from geoweave.weave.phase import Phase, phase_of
 from geoweave.weave.ribbon_count import TRIES, check_asked, nearest_scale
 from geoweave.weave.ribbons import Cutting, Ribbons, expected_number, ribbons
 from geoweave.weave.stages import Callback, Stages
 from geoweave.weave.steering import Steering, steered_rosy, steering_for, steering_met
 from geoweave.weave.weave import THINNESS, Design, Weave, default_width
-from geoweave.weave.weave_types import WeaveType, weave_type_of
+from geoweave.weave.weave_types import FLOATING, WeaveType, weave_type_of
 
 __all__ = ["MOST_CROSSINGS", "WeaveField", "weave_curves", "weave_field", "weave_pattern"]
 
@@ -386,10 +387,14 @@ def _interlaced(
 ) -> Weave:
     """Choose over and under, and the width that is usual at this spacing."""
     width = default_width(found.spacing, design.symmetry)
+    if meant in FLOATING:
+        turns = interlacing.optimal(found.passages, effort, meant)
+    else:
+        found, turns = with_matched_ends(found, effort, meant)
     return Weave(
         ribbons=found,
         families=families,
-        interlacing=interlacing.optimal(found.passages, effort, meant),
+        interlacing=turns,
         width=width,
         thickness=width / THINNESS,
         design=design,

@@ -175,7 +175,7 @@ def ribbons(level_sets: Curves, families: int = 3, cutting: Cutting | None = Non
     numbers = replace(numbers, fewest=fewest)
     asked = Filling(families, numbers.bare, numbers.apart, numbers.fewest, shallowest, numbers.tail)
     found, along = _in_one_part(found, spacing, numbers.reach * spacing, asked)
-    met = _without_touching(crossings(found), found, tail)
+    met = without_touching(crossings(found), found, tail)
     return Ribbons(found, met, frozen(origin[which[along]]), spacing, numbers)
 
 
@@ -189,7 +189,7 @@ def _held(growth: Growth, tail: float, fewest: int, shallowest: float) -> tuple[
         if not len(which):
             return which, growth.longer
         found = stretches(growth.longer, which, start[which], end[which])
-        met = _without_touching(crossings(found), found, tail)
+        met = without_touching(crossings(found), found, tail)
         number = np.bincount(met.curves.ravel(), minlength=len(found))
         wrong = (number < fewest) | _loose(found, met, tail, shallowest).any(axis=1)
         if not wrong.any():
@@ -227,7 +227,7 @@ def _in_one_part(curves: Curves, spacing: float, reach: float, asked: Filling) -
                 continue
         stretched = lengthened(curves, small, reach, tail, asked.shallowest)
         if stretched is not None:
-            met = _without_touching(crossings(stretched), stretched, tail)
+            met = without_touching(crossings(stretched), stretched, tail)
             if _parts(met, len(stretched)).max() < part.max():
                 curves = stretched
                 continue
@@ -239,7 +239,7 @@ def _sound(laid: Laid, along: Indices, tail: float, asked: Filling) -> tuple[Cur
     curves, along = laid.curves, np.concatenate([along, along[laid.along]])
     old = len(along) - len(laid.along)
     while True:
-        met = _without_touching(crossings(curves), curves, tail)
+        met = without_touching(crossings(curves), curves, tail)
         wrong = np.bincount(met.curves.ravel(), minlength=len(curves)) < asked.fewest
         wrong |= _loose(curves, met, tail, asked.shallowest).any(axis=1)
         wrong[:old] = False
@@ -312,7 +312,7 @@ def _cut(curves: Curves, sharpest: float, window: float, shortest: float) -> tup
     return stretches(curves, chosen, np.array(start), np.array(end)), chosen
 
 
-def _without_touching(met: Crossings, curves: Curves, near: float) -> Crossings:
+def without_touching(met: Crossings, curves: Curves, near: float) -> Crossings:
     """Leave out crossings at which two curves only touch.
 
     Where the same two curves cross several times near each other, one crossing stays if their number is odd.
