@@ -18,6 +18,7 @@ from geoweave.surface.mesh import TriMesh
 from geoweave.weave.cover import branched_cover
 from geoweave.weave.design import WeaveField, weave_field
 from geoweave.weave.phase import phase_of
+from geoweave.weave.regularity import Cells, Regularity
 from geoweave.weave.weave import Weave
 
 PERFECT = {
@@ -52,6 +53,13 @@ def test_a_perfect_surface_gets_a_perfect_kagome(name: str) -> None:
     triples = field.cover.quotient.triples.on(found.part)
     energy = PhaseEnergy(found.field, found.s, triples)
     assert np.quantile(np.abs(energy.phase(found.circle.theta)), 0.99) < 0.05
+    made = Regularity.of(weave)
+    assert made.piled == 0
+    # five ribbons close the cell at the apex of the cone, and those at the corners of the icosahedron
+    corners = {"disk": 0, "cone": 1, "icosahedron": 12}[name]
+    cells = Cells.of(weave.ribbons.curves, weave.ribbons.crossings).corners
+    assert (~np.isin(cells, (3, 6))).sum() == corners
+    assert weave.interlacing.alternation == 1.0
 
 
 @pytest.mark.parametrize("name", ["sphere", "torus", "jagged sphere"])
