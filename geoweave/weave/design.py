@@ -32,7 +32,7 @@ from geoweave.weave.ribbons import Cutting, Ribbons, expected_number, ribbons
 from geoweave.weave.stages import Callback, Stages
 from geoweave.weave.steering import Steering, steered_rosy, steering_for, steering_met
 from geoweave.weave.weave import THINNESS, Design, Weave, default_width
-from geoweave.weave.weave_types import FLOATING, WeaveType, weave_type_of
+from geoweave.weave.weave_types import WeaveType, weave_type_of
 
 __all__ = ["MOST_CROSSINGS", "WeaveField", "weave_curves", "weave_field", "weave_pattern"]
 
@@ -387,10 +387,7 @@ def _interlaced(
 ) -> Weave:
     """Choose over and under, and the width that is usual at this spacing."""
     width = default_width(found.spacing, design.symmetry)
-    if meant in FLOATING:
-        turns = interlacing.optimal(found.passages, effort, meant)
-    else:
-        found, turns = with_matched_ends(found, effort, meant)
+    found, turns = with_matched_ends(found, effort, meant)
     return Weave(
         ribbons=found,
         families=families,

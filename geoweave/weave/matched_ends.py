@@ -21,7 +21,7 @@ from geoweave.weave.interlacing import Interlacing, optimal
 from geoweave.weave.passages import Passages
 from geoweave.weave.ribbon_ends import ROUNDING, extended, holding, on_boundary
 from geoweave.weave.ribbons import Ribbons, without_touching
-from geoweave.weave.weave_types import WeaveType
+from geoweave.weave.weave_types import FLOATING, WeaveType
 
 __all__ = ["with_matched_ends"]
 
@@ -45,14 +45,14 @@ def with_matched_ends(ribbons: Ribbons, effort: int, pattern: WeaveType) -> tupl
     Parameters
     ----------
     ribbons : centrelines and crossings
-    effort, pattern : as for `optimal`; a pattern in which ribbons alternate
+    effort, pattern : as for `optimal`; in a twill and a basket ends stay, as ribbons do not alternate there
 
     Returns
     -------
     the ribbons with the ends that were found best, and their sides
     """
     turns = optimal(ribbons.passages, effort, pattern)
-    for _ in range(ROUNDS):
+    for _ in range(0 if pattern in FLOATING else ROUNDS):
         other = _set_anew(ribbons, turns) if turns.broken.any() else None
         if other is None:
             break
