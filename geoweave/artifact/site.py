@@ -1,7 +1,7 @@
 """The notebooks as pages that are read in a browser without a network: ``make site`` writes ``build/site``.
 
-Nothing is executed: text, code and the stored outputs of ``notebooks/``, one page each, an index with
-thumbnails, and the claims of the paper beside our numbers.
+Nothing is executed: text, code and the stored outputs of ``notebooks/``, one page each, the documents for
+makers and readers, an index with thumbnails and a search, and the claims of the paper beside our numbers.
 """
 
 from __future__ import annotations
@@ -11,17 +11,19 @@ import ast
 import base64
 import html
 import io
+import json
 import re
 import shutil
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from PIL import Image
 
 from geoweave.artifact import claims, notebooks
+from geoweave.artifact.site_docs import DOCUMENTS, Document, addresses, documents
 from geoweave.artifact.site_font import NOTICE, characters, math_font
 from geoweave.artifact.site_text import code_html, code_style, plain, text_html
 from geoweave.checkout import PACKAGE, repository
@@ -73,29 +75,38 @@ def build(root: Path, target: Path) -> list[Path]:
     ):
         raise OutputError(f"{target}: is there and is no earlier site; name another folder")
     names = notebooks.names(root)
-    known = frozenset(names)
+    known = addresses(names)
     pages = [page_of(notebooks.read(notebooks.path_of(root, name)), name, known) for name in names]
+    papers = documents(root, names)
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=f".{target.name}.", dir=target.parent) as scratch:
         fresh = Path(scratch) / "site"
         (fresh / "images").mkdir(parents=True)
         style = (PACKAGE / "artifact" / "site.css").read_text(encoding="utf-8")
         _write(fresh / "site.css", f"/* {NOTICE} */\n{style}\n{code_style()}\n")
-        (fresh / "math.woff").write_bytes(math_font(characters(page.body for page in pages)))
+        (fresh / "math.woff").write_bytes(
+            math_font(characters([page.body for page in pages] + [paper.body for paper in papers]))
+        )
         for before, page, after in zip([None, *pages[:-1]], pages, [*pages[1:], None], strict=True):
             for name, data in page.pictures.items():
                 (fresh / "images" / name).write_bytes(data)
             _write(fresh / f"{page.name}.html", _framed(page.title, _article(page, before, after)))
+        for paper in papers:
+            for name, path in paper.pictures.items():
+                shutil.copyfile(path, fresh / "images" / name)
+            _write(fresh / f"{paper.name}.html", _framed(paper.title, _document(paper)))
         cards = "\n".join(_card(root, page, fresh) for page in pages)
-        _write(fresh / "index.html", _framed(TITLE, _index(cards, _claims(root, known))))
+        table = _claims(root, frozenset(names))
+        _write(fresh / "index.html", _framed(TITLE, _index(cards, table, papers)))
+        _write(fresh / "search.js", _search([*pages, *papers]))
         if target.exists():
             shutil.rmtree(target)
         fresh.rename(target)
     return sorted(path for path in target.rglob("*") if path.is_file())
 
 
-def page_of(notebook: Any, name: str, known: frozenset[str] = frozenset()) -> Page:
-    """A notebook as HTML, from what is stored in it.
+def page_of(notebook: Any, name: str, known: Mapping[str, str] | None = None) -> Page:
+    """A notebook as HTML, from what is stored in it; ``known`` are pages that its links may lead to.
 
     Raises
     ------
@@ -115,7 +126,7 @@ def page_of(notebook: Any, name: str, known: frozenset[str] = frozenset()) -> Pa
                 f"{code_html(cell.source)}</details>"
             )
             parts += [_output(output, name, pictures) for output in cell.outputs]
-    heading = re.search(r"<h1>(.*?)</h1>", "\n".join(parts), re.S)
+    heading = re.search(r"<h1[^>]*>(.*?)</h1>", "\n".join(parts), re.S)
     question = re.search(
         r"</h1>\s*<p>(?:<strong>The question\.</strong>\s*)?(.*?)</p>", "\n".join(parts), re.S
     )
@@ -196,6 +207,27 @@ def _article(page: Page, before: Page | None, after: Page | None) -> str:
     return f"{bar}\n<main>\n{page.body}\n{source}\n</main>\n{bar}"
 
 
+def _document(paper: Document) -> str:
+    bar = '<nav><a href="index.html">All figures</a></nav>'
+    source = f'<p class="source">{DOCUMENTS[paper.name]}</p>'
+    return f'{bar}\n<main>\n<section class="text">\n{paper.body}</section>\n{source}\n</main>\n{bar}'
+
+
+def _search(pages: Sequence[Page | Document]) -> str:
+    """The script of the search: the words of all pages, and how they are looked for."""
+    words = [
+        {"address": f"{page.name}.html", "title": page.title, "text": _words(page.body)} for page in pages
+    ]
+    script = (PACKAGE / "artifact" / "site_search.js").read_text(encoding="utf-8")
+    return f"const PAGES = {json.dumps(words, ensure_ascii=False, separators=(',', ':'))};\n{script}"
+
+
+def _words(body: str) -> str:
+    """What a reader sees of a page in one line, without its code."""
+    read = re.sub(r"<details.*?</details>", " ", body, flags=re.S)
+    return " ".join(plain(re.sub(r"<(?!/?(?:m\w+|code|em|strong|a|span)\b)", " <", read)).split())
+
+
 def _card(root: Path, page: Page, fresh: Path) -> str:
     """A notebook on the index: its first figure, its heading, its question."""
     picture = next((data for name, data in page.pictures.items() if name.endswith(".png")), None)
@@ -249,7 +281,22 @@ def _check(file: str, known: frozenset[str]) -> str:
 TITLE = "Weaving Geodesic Foliations, reproduced"
 
 
-def _index(cards: str, table: str) -> str:
+DESCRIBED = {
+    "making": "from a mesh to strips in your hands: materials, sheets, the guide",
+    "commands": "every command and its options",
+    "python": "the same, step by step",
+    "deviations": "where the paper is silent or departed from, and what we tried",
+    "reproducing": "times, memory, what may differ",
+    "replicability": "what an examiner asks, line by line",
+}
+"""What the index says of each document."""
+
+
+def _index(cards: str, table: str, papers: Sequence[Document]) -> str:
+    listed = "\n".join(
+        f'<li><a href="{paper.name}.html">{html.escape(paper.title)}</a>: {DESCRIBED[paper.name]}</li>'
+        for paper in papers
+    )
     return f"""<header>
 <h1>{TITLE}</h1>
 <p>Every figure and number of <em>Weaving Geodesic Foliations</em> (Vekhter, Zhuo, Gil Fandino, Huang,
@@ -257,8 +304,15 @@ Vouga; ACM TOG 38(4):34, SIGGRAPH 2019, <a href="https://doi.org/10.1145/3306346
 10.1145/3306346.3323043</a>) that can be computed, computed again. Each page is a notebook: the question, the
 equation, the picture, what to see in it, what the paper says, what we measured.
 <a href="#claims">All claims, paper and ours</a>.</p>
+<ul class="documents">
+{listed}
+</ul>
+<form role="search" hidden><label for="search">Search</label>
+<input id="search" type="search" autocomplete="off" placeholder="cut locus, veneer, Table 1">
+<span id="said" role="status"></span></form>
 </header>
 <main class="wide">
+<ul id="found"></ul>
 <ul class="cards">
 {cards}
 </ul>
@@ -269,7 +323,8 @@ equation, the picture, what to see in it, what the paper says, what we measured.
 </div>
 </main>
 <footer><p>Written by <code>make site</code> from the outputs stored in the notebooks. Code under the MIT
-licence, text and figures under CC BY 4.0.</p></footer>"""
+licence, text and figures under CC BY 4.0.</p></footer>
+<script src="search.js"></script>"""
 
 
 def _write(path: Path, text: str) -> None:

@@ -7,40 +7,52 @@ MathJax support more of TeX, but their scripts run on every page. With fonts the
 from __future__ import annotations
 
 import html
+import posixpath
 import re
 import unicodedata
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 from xml.etree import ElementTree
 
 from latex2mathml.converter import convert
 from markdown_it import MarkdownIt
+from mdit_py_plugins.anchors import anchors_plugin
 from mdit_py_plugins.dollarmath import dollarmath_plugin
 from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import PythonLexer
 
+from geoweave.artifact.notebook_links import anchor
 from geoweave.artifact.notebooks import NotebookError
 
 __all__ = ["code_html", "code_style", "equation", "plain", "text_html"]
 
 
-def text_html(source: str, pages: frozenset[str] = frozenset()) -> str:
+def text_html(
+    source: str,
+    pages: Mapping[str, str] | None = None,
+    *,
+    base: str = "notebooks",
+    pictures: Mapping[str, str] | None = None,
+) -> str:
     """Markdown with mathematics between dollars, as HTML.
 
     Parameters
     ----------
     source : Markdown; HTML in it is shown as text
-    pages : names of notebooks that have a page; links to other files of the checkout become plain text
+    pages : addresses of pages by the files of the checkout that they show; links to other files become text
+    base : folder of the checkout that relative links start from
+    pictures : addresses of pictures by what the text calls them
 
     Raises
     ------
     NotebookError
-        If an equation cannot be converted.
+        If an equation cannot be converted, or a picture in the text is not among the given ones.
     """
     tokens = _markdown().parse(source)
     for token in tokens:
-        _relinked(token.children or [], pages)
+        _relinked(token.children or [], pages or {}, base, pictures or {})
     return str(_markdown().renderer.render(tokens, _markdown().options, {}))
 
 
@@ -114,7 +126,10 @@ def _formatter() -> Any:
 
 @cache
 def _markdown() -> MarkdownIt:
-    markdown = MarkdownIt("commonmark", {"html": False, "typographer": False}).enable("table")
+    markdown = MarkdownIt("commonmark", {"html": False, "typographer": False, "xhtmlOut": False}).enable(
+        "table"
+    )
+    markdown.use(anchors_plugin, max_level=4, slug_func=anchor)
     # Called once for each equation, so that the error names the equation that failed.
     return markdown.use(
         dollarmath_plugin,
@@ -122,19 +137,26 @@ def _markdown() -> MarkdownIt:
     )
 
 
-def _relinked(tokens: list[Any], pages: frozenset[str]) -> None:
-    """Point links to notebooks at their pages; drop links to files that the site does not contain."""
+def _relinked(tokens: list[Any], pages: Mapping[str, str], base: str, pictures: Mapping[str, str]) -> None:
+    """Point links to files at their pages; drop links to files that the site does not contain."""
     open_ones: list[Any] = []
     for token in tokens:
         if token.type == "image":
-            raise NotebookError(
-                "a picture in the text of a notebook would be missing here; draw it in a cell"
-            )
+            shown = pictures.get(str(token.attrs["src"]))
+            if shown is None:
+                raise NotebookError(
+                    "a picture in the text of a notebook would be missing here; draw it in a cell"
+                )
+            token.attrs |= {"src": shown, "loading": "lazy"}
         if token.type == "link_open":
             target = str(token.attrs["href"])
-            name = re.fullmatch(r"(?:\.\./notebooks/|\./)?([\w-]+)\.ipynb", target)
-            if name and name[1] in pages:
-                token.attrs["href"] = f"{name[1]}.html"
+            file, hash_sign, place = target.partition("#")
+            page = pages.get(posixpath.normpath(posixpath.join(base, file)))
+            if page is not None and file:
+                # Where a page stands for the whole of a document, its headings are not on it.
+                token.attrs["href"] = (
+                    page if "#" in page or page == "index.html" else page + hash_sign + place
+                )
             elif not re.match(r"https?://|#", target):
                 token.tag, token.attrs = "span", {}
             open_ones.append(token)

@@ -16,6 +16,7 @@ from PIL import Image
 
 from geoweave.artifact import claims, notebooks, site
 from geoweave.artifact.notebooks import NotebookError
+from geoweave.artifact.site_docs import DOCUMENTS
 from geoweave.artifact.site_text import plain
 from geoweave.checkout import repository
 from geoweave.files import OutputError
@@ -71,7 +72,7 @@ def pages(built: Path) -> dict[str, Reader]:
 
 
 def test_there_is_a_page_for_every_notebook(built: Path) -> None:
-    assert {path.stem for path in built.glob("*.html")} == {"index", *notebooks.names(ROOT)}
+    assert {path.stem for path in built.glob("*.html")} == {"index", *DOCUMENTS, *notebooks.names(ROOT)}
     for name in notebooks.names(ROOT):
         text = (built / f"{name}.html").read_text(encoding="utf-8")
         notebook = notebooks.read(notebooks.path_of(ROOT, name))
@@ -93,7 +94,8 @@ def test_there_is_a_page_for_every_notebook(built: Path) -> None:
 
 
 def test_nothing_is_loaded_from_elsewhere(built: Path) -> None:
-    for name, page in pages(built).items():
+    all_pages = pages(built)
+    for name, page in all_pages.items():
         assert page.open == []
         for address in page.loads:
             assert (built / address).is_file(), f"{name} loads {address}"
@@ -103,8 +105,9 @@ def test_nothing_is_loaded_from_elsewhere(built: Path) -> None:
                 continue
             assert "://" not in address
             assert not file or (built / file).is_file(), f"{name} leads to {address}"
-            assert not place or place in page.ids
-        assert not {"script", "object", "embed", "video"} & set(page.seen)
+            assert not place or place in all_pages[file or name].ids, f"{name} leads to {address}"
+        assert not {"object", "embed", "video"} & set(page.seen)
+        assert page.seen.count("script") == (name == "index.html"), "the search alone is a script"
     for view in (built / "images").glob("*.html"):
         text = view.read_text(encoding="utf-8")
         assert "default-src 'none'" in text, "a view asks for nothing"
@@ -154,6 +157,28 @@ def test_it_is_the_same_each_time_and_replaces_itself_only(built: Path, tmp_path
     assert [path.name for path in (tmp_path / "mine").iterdir()] == ["letter.txt"]
 
 
+def test_the_search_finds_pages_and_claims(chromium: Any, built: Path) -> None:
+    shown = "[...document.querySelectorAll('{}')].filter((e) => e.getClientRects().length).length"
+    with opened(chromium, built / "index.html", DESK) as it:
+        cards, rows = it.do(shown.format(".cards li")), it.do(shown.format(".claims tbody tr"))
+        assert (cards, rows) == (len(notebooks.names(ROOT)), len(claims.read(ROOT)))
+        it.page.fill("#search", "Integrating  FACTOR")
+        found = it.do("[...document.querySelectorAll('#found a')].map((e) => e.getAttribute('href'))")
+        assert "fig13_rescaling.html" in found
+        assert "making.html" not in found
+        assert len(found) < len(notebooks.names(ROOT))
+        assert it.do(shown.format(".cards li")) == sum(each[:-5] not in DOCUMENTS for each in found)
+        assert 0 < it.do(shown.format(".claims tbody tr")) < rows
+        assert it.do("document.getElementById('said').textContent").startswith(f"{len(found)} pages, ")
+        it.page.fill("#search", "veneer-laser")
+        assert it.do("document.querySelector('#found a').getAttribute('href')") == "making.html"
+        it.page.fill("#search", "qqqq")
+        assert it.do("document.getElementById('said').textContent") == "0 pages, 0 claims"
+        it.page.fill("#search", "")
+        assert it.do(shown.format(".cards li")) == cards
+        assert it.do("document.querySelectorAll('#found li').length") == 0
+
+
 def test_what_a_notebook_may_hold() -> None:
     v4 = nbformat.v4
     code = v4.new_code_cell("1 / 0", metadata={"tags": ["parameters"]})
@@ -193,7 +218,7 @@ def test_the_command_says_where_it_is(
     assert "no earlier site" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["index", "fig12_recover", "table1"])
+@pytest.mark.parametrize("name", ["index", "fig12_recover", "table1", "making", "deviations"])
 @pytest.mark.parametrize("size", [PHONE, DESK], ids=["phone", "desk"])
 def test_it_reads_well(chromium: Any, built: Path, name: str, size: tuple[int, int]) -> None:
     with opened(chromium, built / f"{name}.html", size) as it:
@@ -206,11 +231,11 @@ def test_it_reads_well(chromium: Any, built: Path, name: str, size: tuple[int, i
         # Wide things scroll in boxes of their own; everything else is inside the page.
         wide = it.do(
             "[...document.querySelectorAll('body *')].filter((e) =>"
-            " !e.closest('pre, .equation, .claims, math') &&"
+            " !e.closest('pre, .equation, .claims, .text table, math') &&"
             " e.getBoundingClientRect().right > window.innerWidth + 1).map((e) => e.outerHTML.slice(0, 80))"
         )
         assert wide == []
-        assert it.do("document.fonts.check('16px \"site math\"')")
+        assert it.do("!document.querySelector('math') || document.fonts.check('16px \"site math\"')")
         assert it.do("[...document.images].every((each) => each.clientWidth <= window.innerWidth)")
         sizes = it.do(
             "[...document.querySelectorAll('p')].map((e) => parseFloat(getComputedStyle(e).fontSize))"

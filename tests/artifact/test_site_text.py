@@ -78,10 +78,22 @@ def test_markup_in_the_text_stays_text() -> None:
 
 def test_links_lead_to_pages_or_nowhere() -> None:
     text = "[a](fig07_sphere.ipynb) [b](../notebooks/table1.ipynb) [c](../README.md) [d](https://doi.org/1)"
-    found = text_html(text, frozenset({"fig07_sphere"}))
+    found = text_html(text, {"notebooks/fig07_sphere.ipynb": "fig07_sphere.html"})
     assert re.findall(r'href="(.*?)"', found) == ["fig07_sphere.html", "https://doi.org/1"]
     assert plain(found) == "a b c d"
     assert found.count("<span>") == found.count("</span>") == 2
+
+
+def test_links_between_documents_keep_their_place() -> None:
+    pages = {"DEVIATIONS.md": "deviations.html", "docs/results.md": "index.html#claims"}
+    found = text_html("[a](../DEVIATIONS.md#the-field) [b](results.md#one) [c](#here)", pages, base="docs")
+    assert re.findall(r'href="(.*?)"', found) == ["deviations.html#the-field", "index.html#claims", "#here"]
+
+
+def test_a_document_shows_its_pictures_and_names_its_headings() -> None:
+    found = text_html("# One: two\n\n![a page](x/page.png)", pictures={"x/page.png": "images/p.png"})
+    assert '<h1 id="one-two">' in found
+    assert 'src="images/p.png" alt="a page" loading="lazy"' in found
 
 
 def test_code_is_coloured_and_unchanged() -> None:
