@@ -18,7 +18,7 @@ from geoweave.fabrication.marks import outline
 from geoweave.fabrication.nesting import Sheet, Stock, nested
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pdf_front import Line, draw_front, front_count
-from geoweave.fabrication.pdf_marks import strip_operators
+from geoweave.fabrication.pdf_marks import pdf_colour, strip_operators
 from geoweave.fabrication.sheet_sizes import Paper
 from geoweave.fabrication.strip_figures import Drawn
 from geoweave.files import replacing
@@ -126,7 +126,7 @@ def pdf_bytes(
                 _ruler(canvas)
                 _legend(canvas, pattern, paper, colours, mirror)
                 _map(canvas, pattern, pages, number - before, paper, colours)
-            canvas.setFillColor(INK)
+            canvas.setFillColor(pdf_colour(INK))
             canvas.setFont("Helvetica-Bold", 2.6)
             right = paper.width - MARGIN - 2
             canvas.drawRightString(right, 13.2, f"{title}   {paper.name}   page {number + 1} of {total}")
@@ -151,7 +151,7 @@ def _binary() -> Iterator[None]:
 
 def _row_numbers(canvas: Canvas, page: Sheet) -> None:
     """The number of each row, left of it, as the index says it."""
-    canvas.setFillColor(FAINT)
+    canvas.setFillColor(pdf_colour(FAINT))
     canvas.setFont("Helvetica", 2.3)
     rows = {laid.row: laid.y for laid in reversed(page.laid)}
     for row, y in rows.items():
@@ -160,7 +160,7 @@ def _row_numbers(canvas: Canvas, page: Sheet) -> None:
 
 def _crosses(canvas: Canvas, paper: Paper) -> None:
     """Registration marks in the corners."""
-    canvas.setStrokeColor(INK)
+    canvas.setStrokeColor(pdf_colour(INK))
     canvas.setLineWidth(0.12)
     for x in (CROSS, paper.width - CROSS):
         for y in (CROSS, paper.height - CROSS):
@@ -172,8 +172,8 @@ def _crosses(canvas: Canvas, paper: Paper) -> None:
 def _ruler(canvas: Canvas) -> None:
     """A hundred millimetres, to be measured after printing; the black bar is as long as it says."""
     x, y, length = RULER
-    canvas.setFillColor(INK)
-    canvas.setStrokeColor(INK)
+    canvas.setFillColor(pdf_colour(INK))
+    canvas.setStrokeColor(pdf_colour(INK))
     canvas.rect(x, y - 0.3, length, 0.6, stroke=0, fill=1)
     canvas.setLineWidth(0.12)
     canvas.setLineCap(0)
@@ -185,7 +185,7 @@ def _ruler(canvas: Canvas) -> None:
     canvas.setFont("Helvetica", 2.3)
     for tick in range(10, 100, 10):
         canvas.drawCentredString(x + tick, y + 3.2, str(tick))
-    canvas.setFillColor(FAINT)
+    canvas.setFillColor(pdf_colour(FAINT))
     canvas.drawString(x, y - 3.4, "The bar is 100 mm long. Print at 100 %, without fitting to the page.")
 
 
@@ -197,7 +197,7 @@ def _legend(canvas: Canvas, pattern: Pattern, paper: Paper, colours: Colours, mi
     lean = half / math.tan(math.radians(60))
     dark = mixed(other, INK, 0.62)
     for over, left in ((False, x), (True, x + 31)):
-        canvas.setFillColor(mixed(own, "#ffffff", 0.16))
+        canvas.setFillColor(pdf_colour(mixed(own, "#ffffff", 0.16)))
         canvas.rect(left, y - half, 11, 2 * half, stroke=0, fill=1)
         if not over:
             _polygon(
@@ -206,24 +206,24 @@ def _legend(canvas: Canvas, pattern: Pattern, paper: Paper, colours: Colours, mi
                 mixed(other, "#ffffff", 0.42),
                 None,
             )
-        canvas.setStrokeColor(dark)
+        canvas.setStrokeColor(pdf_colour(dark))
         canvas.setLineWidth(0.16)
         if over:
             canvas.setDash([0.6, 0.5])
         for shift in (-3.0, 3.0) if over else (-3.0, -2.6, 2.6, 3.0):
             canvas.line(left + 5.5 + shift - lean, y - half, left + 5.5 + shift + lean, y + half)
         canvas.setDash()
-        canvas.setStrokeColor(INK)
+        canvas.setStrokeColor(pdf_colour(INK))
         canvas.line(left, y - half, left + 11, y - half)
         canvas.line(left, y + half, left + 11, y + half)
         star = 1.3 * outline(3) + [left + 5.5, y]
         _polygon(canvas, star.tolist(), "#ffffff" if over else dark, dark)
-        canvas.setFillColor(INK)
+        canvas.setFillColor(pdf_colour(INK))
         canvas.setFont("Helvetica", 2.3)
         canvas.drawString(left + 12.2, y + 0.4, "this strip goes")
         canvas.setFont("Helvetica-Bold", 2.3)
         canvas.drawString(left + 12.2, y - 2.4, "over" if over else "under")
-    canvas.setFillColor(FAINT)
+    canvas.setFillColor(pdf_colour(FAINT))
     canvas.setFont("Helvetica", 2.3)
     apart = (paper.width - 2 * CROSS, paper.height - 2 * CROSS)
     side = "inwards" if mirror else "outwards"
@@ -241,9 +241,9 @@ def _polygon(canvas: Canvas, points: Sequence[Sequence[float]], fill: str, strok
     for point in points[1:]:
         path.lineTo(*point)
     path.close()
-    canvas.setFillColor(fill)
+    canvas.setFillColor(pdf_colour(fill))
     if stroke is not None:
-        canvas.setStrokeColor(stroke)
+        canvas.setStrokeColor(pdf_colour(stroke))
     canvas.drawPath(path, stroke=int(stroke is not None), fill=1)
 
 
@@ -274,14 +274,14 @@ def _map(
         x, y = start + (k % columns) * wide, top - (k // columns + 1) * tall
         scale = 0.88 * tall / paper.height
         here = k == number
-        canvas.setFillColor("#ffffff")
-        canvas.setStrokeColor(INK if here else "#b9bec4")
+        canvas.setFillColor(pdf_colour("#ffffff"))
+        canvas.setStrokeColor(pdf_colour(INK if here else "#b9bec4"))
         canvas.setLineWidth(0.35 if here else 0.12)
         canvas.rect(x, y, 0.88 * wide, 0.88 * tall, stroke=1, fill=1)
         canvas.setLineCap(0)
         for laid in page.laid:
             family = colours.of_family(pattern.strips[laid.drawn.piece.strip].family)
-            canvas.setStrokeColor(family if here else mixed(family, "#ffffff", 0.6))
+            canvas.setStrokeColor(pdf_colour(family if here else mixed(family, "#ffffff", 0.6)))
             canvas.setLineWidth(max(0.7 * pattern.width * scale, 0.08))
             line = np.array([[0.0, 0.0], [laid.drawn.piece.length, 0.0]])
             line = line if laid.drawn.spine is None else laid.drawn.spine

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from geoweave.fabrication.bill import Bill
 from geoweave.fabrication.marks import MARKS
 from geoweave.fabrication.pattern import Pattern
+from geoweave.fabrication.pdf_marks import pdf_colour
 from geoweave.fabrication.pieces import Making, Piece
 from geoweave.fabrication.sheet_sizes import Paper
 from geoweave.fabrication.strip_figures import Drawn
@@ -112,7 +113,7 @@ def front_count(lines: Sequence[Line], paper: Paper) -> int:
 def draw_front(canvas: Canvas, lines: Sequence[Line], paper: Paper, number: int) -> None:
     """Draw the lines of one of the first pages, numbered from 0."""
     columns, rows = _grid(paper)
-    canvas.setFillColor("#22262b")
+    canvas.setFillColor(pdf_colour("#22262b"))
     for k, line in enumerate(lines[number * columns * rows : (number + 1) * columns * rows]):
         column, row = divmod(k, rows)
         canvas.setFont("Helvetica-Bold" if line.bold else "Helvetica", LETTERS)

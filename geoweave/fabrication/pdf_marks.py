@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from functools import cache
+from typing import Any
 
 from geoweave.fabrication.colours import Colours, ink
 from geoweave.fabrication.nesting import Sheet
 from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure, Spot
 from geoweave.fabrication.stroke_font import text_box
 
-__all__ = ["FONT", "strip_operators"]
+__all__ = ["FONT", "pdf_colour", "strip_operators"]
 
 FONT = "/F1"
 """The name of Helvetica in a file: a canvas begins with it."""
@@ -128,3 +129,11 @@ def _escaped(text: str) -> str:
 def _rgb(colour: str) -> str:
     parts: Iterable[int] = (int(colour[k : k + 2], 16) for k in (1, 3, 5))
     return " ".join(f"{part / 255:.4g}" for part in parts)
+
+
+@cache
+def pdf_colour(colour: str) -> Any:
+    """A colour of reportlab, which reads the name of a colour as slowly as a line of Python."""
+    from reportlab.lib.colors import HexColor
+
+    return HexColor(colour)

@@ -21,8 +21,6 @@ from geoweave.fabrication.crossing_order import order_sentence
 from geoweave.fabrication.cut_list import cut_list
 from geoweave.fabrication.dxf import write_dxf
 from geoweave.fabrication.flattening import WeaveLike, free_end, pattern_of, trimmed, weave_document
-from geoweave.fabrication.glb import write_glb
-from geoweave.fabrication.guide_page import guide_html
 from geoweave.fabrication.making_limits import check_made
 from geoweave.fabrication.nesting import Sheet, nested
 from geoweave.fabrication.pattern import Pattern
@@ -292,10 +290,14 @@ class StripLayout:
         return {f"{stem}.json": _text(json.dumps(self.document(), indent=1, allow_nan=False) + "\n")}
 
     def _glb(self, stem: str) -> dict[str, Job]:
+        from geoweave.fabrication.glb import write_glb
+
         space, families = self._standing("GLB"), self.bench.paper_colours.families
         return {f"{stem}.glb": lambda path: write_glb(path, space, families, self.bench.up)}
 
     def _html(self, stem: str) -> dict[str, Job]:
+        from geoweave.fabrication.guide_page import guide_html
+
         space, bench = self._standing("guide"), self.bench
         check_made(self.pattern, bench.making, bench.stock)
         making, colours, found = bench.making, bench.paper_colours, self.whereabouts

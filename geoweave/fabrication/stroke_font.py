@@ -27,8 +27,9 @@ GAP = 0.24
 SPACE = 0.35
 """Width of a blank, in heights."""
 
-SMOOTH = 0.05
-"""How far a stroke may be from its curve, where a letter is 6 high: 0.015 mm in the smallest letters."""
+SMOOTH = 0.1
+"""How far a stroke may be from its curve, where a letter is 6 high: 0.03 mm in the smallest letters, a seventh
+of the pen in all."""
 
 COLUMN = 8.0
 """Width of the columns by which boxes are found again, mm: about that of a label."""

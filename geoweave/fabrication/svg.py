@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable
 from os import PathLike
@@ -22,18 +21,21 @@ from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making
 from geoweave.fabrication.strip_figures import LAYERS, ROLES, Figure, Spot
 from geoweave.fabrication.stroke_font import text_box
+from geoweave.fabrication.svg_paths import number, path_data, path_lines, place_data, text_data
 from geoweave.files import replacing
 
-__all__ = ["MarkSeen", "path_lines", "read_svg", "svg_text", "write_svg"]
+__all__ = ["MarkSeen", "read_svg", "svg_text", "write_svg"]
 
-STEP, FINE = 0.01, 0.001
-"""Of the corners of letters, and of those of guides and marks, mm."""
+LETTER, STEP, FINE = 0.05, 0.01, 0.001
+"""Of the corners of letters, of marks, and of guides, whose direction is measured; mm."""
+
+TOGETHER = ("heading", "fold", "nick")
+"""Figures that nobody asks for one by one.
+
+A machine works the parts of a path one after the other, as it would paths."""
 
 FONT = ' font-family="Helvetica, Arial, sans-serif" text-anchor="middle"'
 """What all printed texts of a layer have in common."""
-
-LINES, NUMBER = re.compile(r"M([^MlZ]*)(?:l([^MZ]*))?"), re.compile(r"-?\d*\.?\d+")
-"""A subpath: places, then steps from the last of them; and a number of it."""
 
 ROUND = MARKS.index("disc")
 """The mark that is a circle."""
@@ -70,8 +72,8 @@ def svg_text(
     lines = [
         '<?xml version="1.0" encoding="UTF-8"?>',
         (
-            f'{HEAD}version="1.1" width="{_number(sheet.width)}mm" height="{_number(sheet.height)}mm" '
-            f'viewBox="0 0 {_number(sheet.width)} {_number(sheet.height)}" '
+            f'{HEAD}version="1.1" width="{number(sheet.width)}mm" height="{number(sheet.height)}mm" '
+            f'viewBox="0 0 {number(sheet.width)} {number(sheet.height)}" '
             f"{_made(pattern, making or Making())} "
             'fill="none" stroke-linecap="round" stroke-linejoin="round">'
         ),
@@ -80,21 +82,55 @@ def svg_text(
     shown = [(piece, piece.figures) for piece in sheet.laid]
     for layer in LAYERS:
         drawn = [(piece, _inked(figures, layer, colours)) for piece, figures in shown]
-        count = Counter((look.stroke, look.width) for _, looks in drawn for _, look in looks)
-        if not count:
+        usual = _usual([each for _, looks in drawn for each in looks])
+        if usual is None:
             continue
-        usual = count.most_common(1)[0][0]
-        printed = any(each.text and each.printed for _, looks in drawn for each, _ in looks)
-        shared = _stroke(*usual) + FONT * printed
+        shared = _stroke(usual.stroke, usual.width)
+        if usual.letters:
+            shared = f' stroke="none" fill="{usual.stroke}"{FONT} font-size="{usual.letters}"'
         lines.append(f'<g id="{layer}" inkscape:groupmode="layer" inkscape:label="{layer}"{shared}>')
         for piece, looks in drawn:
             if looks:
                 said = _said(pattern, piece) if layer == "cut" else ""
                 lines.append(f'<g id="{layer}-{_name(pattern, piece)}"{said}>')
-                lines += [_element(each, look, usual, sheet.height) for each, look in looks]
+                lines += [_element(each, look, usual, sheet.height) for each, look in _joined(looks)]
                 lines.append("</g>")
         lines.append("</g>")
     return "\n".join([*lines, "</svg>"]) + "\n"
+
+
+class Usual(NamedTuple):
+    """What most figures of a layer have in common."""
+
+    stroke: str | None
+    width: float
+    letters: str
+    """Size of the font, empty where no text is in letters of a font."""
+
+
+def _usual(looks: Iterable[tuple[Figure, Ink]]) -> Usual | None:
+    """What is said once, of the layer; None of a layer without figures."""
+    inks = Counter((look.stroke, look.width) for _, look in looks)
+    sizes = Counter(_font(each.spot.size) for each, _ in looks if each.text and each.printed and each.spot)
+    if not inks:
+        return None
+    return Usual(*inks.most_common(1)[0][0], sizes.most_common(1)[0][0] if sizes else "")
+
+
+def _joined(looks: list[tuple[Figure, Ink]]) -> list[tuple[Figure, Ink]]:
+    """The figures of a piece; arrows, folds and nicks that look the same are one path."""
+    found: dict[object, tuple[Figure, Ink]] = {}
+    for figure, look in looks:
+        key = (figure.role, figure.closed, look) if figure.role in TOGETHER else len(found)
+        there = found.get(key)
+        paths = figure.paths if there is None else there[0].paths + figure.paths
+        found[key] = figure._replace(paths=paths), look
+    return list(found.values())
+
+
+def _font(size: float) -> str:
+    """Size of the font whose capital letters are so high."""
+    return number(size / CAPITAL)
 
 
 def _made(pattern: Pattern, making: Making) -> str:
@@ -114,12 +150,12 @@ def _said(pattern: Pattern, laid: Laid) -> str:
     """Which part of which strip a piece is, as attributes of its outline."""
     piece = laid.drawn.piece
     strip = pattern.strips[piece.strip]
-    before, after = (_number(each) for each in strip.trimmed)
+    before, after = (number(each) for each in strip.trimmed)
     ends = "" if strip.openings is None else f' data-openings="{strip.openings[0]} {strip.openings[1]}"'
     return (
         f' data-strip="{piece.strip}" data-label={quoteattr(strip.label)} data-family="{strip.family}" '
         f'data-closed="{int(strip.closed)}" data-hoop="{int(strip.hoop)}" data-trimmed="{before} {after}" '
-        f'data-piece="{piece.number}/{piece.total}" data-from="{_number(piece.start)}"'
+        f'data-piece="{piece.number}/{piece.total}" data-from="{number(piece.start)}"'
         f"{ends}"
     )
 
@@ -133,83 +169,46 @@ def _inked(figures: Iterable[Figure], layer: str, colours: Colours) -> list[tupl
 def _stroke(colour: str | None, width: float) -> str:
     if colour is None:
         return ' stroke="none"'
-    return f' stroke="{colour}" stroke-width="{_number(width)}"'
+    return f' stroke="{colour}" stroke-width="{number(width)}"'
 
 
-def _element(figure: Figure, look: Ink, usual: tuple[str | None, float], height: float) -> str:
+def _element(figure: Figure, look: Ink, usual: Usual, height: float) -> str:
     """A figure as an element; of what all of its layer has nothing is said."""
     fields = [f'class="{figure.role}"']
-    if (look.stroke, look.width) != usual:
+    if (look.stroke, look.width) != usual[:2]:
         fields.append(_stroke(look.stroke, look.width).strip())
     if look.fill is not None:
         fields.append(f'fill="{look.fill}"')
-    if figure.crossing >= 0:
+    if figure.crossing >= 0 and not figure.text:
         fields.append(f'data-crossing="{figure.crossing}"')
     spot = figure.spot
     if figure.text and figure.printed and spot is not None:
-        return _printed(figure, spot, look, height)
+        return _printed(figure, spot, look, usual, height)
     if figure.text:
         fields.append(f"data-text={quoteattr(figure.text)}")
     if spot is not None and (figure.role == "hole" or figure.mark == ROUND):
         size = spot.size if figure.role == "hole" else DISC * spot.size
-        x, y, radius = (_number(each) for each in (spot.x, height - spot.y, size))
+        x, y, radius = (number(each) for each in (spot.x, height - spot.y, size))
         return f'<circle {" ".join(fields)} cx="{x}" cy="{y}" r="{radius}"/>'
-    if figure.text:
-        data = _relative(figure, height, STEP)
+    if figure.text and spot is not None:
+        data = text_data(figure.text, spot.size, spot.turn, spot.x, height - spot.y, LETTER)
+    elif ROLES[figure.role] == "guide":
+        data = path_data(figure.paths, figure.closed, height, STEP if figure.mark >= 0 else FINE)
     else:
-        short = ROLES[figure.role] == "guide"
-        data = _relative(figure, height, FINE) if short else _absolute(figure, height)
+        data = place_data(figure.paths, figure.closed, height)
     return f'<path {" ".join(fields)} d="{data}"/>'
 
 
-def _absolute(figure: Figure, height: float) -> str:
-    """Places of the corners; a pair that follows another one without a letter is a line to it."""
-    return "".join(
-        "M" + " ".join(f"{_number(x)},{_number(height - y)}" for x, y in path.tolist()) + "Z" * figure.closed
-        for path in figure.paths
-    )
-
-
-def _relative(figure: Figure, height: float, step: float) -> str:
-    """Lines, each from its first point on by differences in whole steps, which add up without an error."""
-    found = []
-    for path in figure.paths:
-        points = np.rint(path * [1.0, -1.0] / step + [0.0, height / step]).astype(np.int64)
-        ahead = np.diff(points, axis=0).tolist()
-        x, y = points[0].tolist()
-        rest = " ".join(f"{_steps(u, step)},{_steps(v, step)}" for u, v in ahead)
-        found.append(f"M{_steps(x, step)},{_steps(y, step)}l{rest}" + "Z" * figure.closed)
-    return "".join(found)
-
-
-def _steps(count: int, step: float) -> str:
-    """So many steps in mm, as short as it goes."""
-    text = _number(count * step)
-    return text.replace("0.", ".", 1) if text.startswith(("0.", "-0.")) else text
-
-
-def path_lines(data: str) -> list[NDArray[np.float64]]:
-    """The lines of a path as it is written here, (P, 2) each, y as in the file."""
-    found = []
-    for places, steps in LINES.findall(data):
-        points = np.array(NUMBER.findall(places), dtype=np.float64).reshape(-1, 2)
-        if steps:
-            ahead = np.array(NUMBER.findall(steps), dtype=np.float64).reshape(-1, 2)
-            points = np.concatenate([points, points[-1] + np.cumsum(ahead, axis=0)])
-        found.append(points)
-    return found
-
-
-def _printed(figure: Figure, spot: Spot, look: Ink, height: float) -> str:
+def _printed(figure: Figure, spot: Spot, look: Ink, usual: Usual, height: float) -> str:
     """A text in letters of a font, stretched to the width of its strokes."""
-    x, y = _number(spot.x), _number(height - spot.y)
-    box = text_box(figure.text, spot.size)
+    x, y, low = (number(each) for each in (spot.x, height - spot.y, height - spot.y + 0.5 * spot.size))
+    box, font = text_box(figure.text, spot.size), _font(spot.size)
     turn = f' transform="rotate({-spot.turn:g} {x} {y})"' if spot.turn else ""
-    crossing = f' data-crossing="{figure.crossing}"' if figure.crossing >= 0 else ""
+    fill = "" if look.stroke == usual.stroke else f' fill="{look.stroke}"'
+    size = "" if font == usual.letters else f' font-size="{font}"'
     return (
-        f'<text class="{figure.role}" x="{x}" y="{y}" dy="{_number(0.5 * spot.size)}"{turn}{crossing} '
-        f'font-size="{_number(spot.size / CAPITAL)}" textLength="{_number(box.right - box.left)}" '
-        f'lengthAdjust="spacingAndGlyphs" stroke="none" fill="{look.stroke}">{escape(figure.text)}</text>'
+        f'<text class="{figure.role}" x="{x}" y="{low}"{turn}{fill}{size} '
+        f'textLength="{number(box.right - box.left)}" lengthAdjust="spacingAndGlyphs">{escape(figure.text)}</text>'
     )
 
 
@@ -217,12 +216,6 @@ def _name(pattern: Pattern, laid: Laid) -> str:
     piece = laid.drawn.piece
     label = pattern.strips[piece.strip].label
     return label if piece.total == 1 else f"{label}-{piece.number}"
-
-
-def _number(value: float) -> str:
-    """Millimetres to a micrometre, without trailing zeros."""
-    text = f"{value:.3f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
 
 
 def _strip_length(outline: NDArray[np.float64]) -> float:

@@ -21,7 +21,7 @@ from geoweave.errors import FieldError
 from geoweave.fabrication.marks import MARKS, assigned, outline
 from geoweave.fabrication.pattern import Pattern, Strip
 from geoweave.fabrication.strip_drawing import inset_of
-from geoweave.fabrication.svg import path_lines
+from geoweave.fabrication.svg_paths import path_lines
 
 __all__ = ["SvgPattern", "pattern_of_svg"]
 

@@ -20,9 +20,8 @@ from geoweave.files import Job
 from geoweave.surface import Similarity, TriMesh
 from geoweave.weave import Cutting, Design, Ribbons, Weave, WeaveType, interlacing, weave_type_of
 
-__all__ = ["DESIGN_FILE", "design_job", "read_design"]
+__all__ = ["design_job", "read_design"]
 
-DESIGN_FILE = "design.npz"
 FORMAT, VERSION = "geoweave-design", 1
 
 CURVES = ("points", "faces", "turning", "sliding", "offsets", "closed")

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from geoweave.errors import FieldError
 from geoweave.pipeline.design import WovenFiles, weave_file
-from geoweave.pipeline.design_file import DESIGN_FILE, read_design
+from geoweave.pipeline.design_file import read_design
 from geoweave.pipeline.made_from import read_made_from
 from geoweave.pipeline.source import Say
-from geoweave.pipeline.weave_folder import earlier_report
+from geoweave.pipeline.weave_folder import DESIGN_FILE, earlier_report
 
 if TYPE_CHECKING:
     from geoweave.weave import Edits

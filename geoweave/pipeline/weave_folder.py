@@ -7,15 +7,17 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geoweave.files import Job, chosen, text_job, written_together
-from geoweave.pipeline.design_file import DESIGN_FILE, design_job
-from geoweave.rods import Relaxed, RodFile, file_of_rods, rod_text, rods_of_ribbons
-from geoweave.weave import Inspection, Weave, inspected
+
+if TYPE_CHECKING:
+    from geoweave.rods import Relaxed, RodFile
+    from geoweave.weave import Inspection, Weave
 
 __all__ = [
     "DESIGN",
+    "DESIGN_FILE",
     "FORMATS",
     "REPORT",
     "check_formats",
@@ -29,6 +31,7 @@ __all__ = [
 ]
 
 REPORT = "report.json"
+DESIGN_FILE = "design.npz"
 DESIGN = ("weave.json", "weave.rod", DESIGN_FILE)
 """Files of a weave as it was designed, whatever shape it takes at rest."""
 
@@ -56,6 +59,8 @@ def rod_file(weave: Weave) -> RodFile:
 
     Young's modulus and density are the defaults of the rods; the file does not say which ribbon lies above.
     """
+    from geoweave.rods import file_of_rods, rods_of_ribbons
+
     place, unit = weave.placement.undo, weave.placement.scale
     rods = rods_of_ribbons(weave.ribbons, weave.interlacing.over, weave.width, weave.thickness)
     content = file_of_rods(rods)
@@ -101,6 +106,8 @@ def write_weave(
     RodError
         If a rod cannot be made of a ribbon.
     """
+    from geoweave.weave import inspected
+
     wanted = check_formats(formats)
     said = (report or inspected(weave)).document()
     texts = {"weave.json": json.dumps(weave.document(), allow_nan=False) + "\n"}
@@ -109,9 +116,13 @@ def write_weave(
         said |= {"relax": relaxed.metrics(), "fasten": relaxed.fasten()}
     said |= dict(about or {})
     if "rod" in wanted:
+        from geoweave.rods import rod_text
+
         texts["weave.rod"] = rod_text(rod_file(weave))
     jobs = text_jobs(texts)
     if "design" in wanted:
+        from geoweave.pipeline.design_file import design_job
+
         jobs[DESIGN_FILE] = design_job(weave)
     return write_reported(jobs | dict(more or {}), said, folder)
 

@@ -22,8 +22,6 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from geoweave.arrays import Indices, Scalars, frozen
 from geoweave.errors import FieldError
@@ -147,6 +145,9 @@ class PatternSurface:
     @cached_property
     def pieces(self) -> tuple[tuple[int, ...], ...]:
         """Strips of each part of the pattern that no crossing joins to another, the largest first."""
+        from scipy import sparse
+        from scipy.sparse import csgraph
+
         count, pair = len(self.pattern.strips), self.pattern.ribbons
         links = sparse.csr_array((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(count, count))
         parts, label = csgraph.connected_components(links, directed=False)

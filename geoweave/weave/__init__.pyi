@@ -33,11 +33,10 @@ from .steering import (
 from .steering_files import read_guide as read_guide, read_singularities as read_singularities
 from .validity import violations as violations
 from .weave import (
-    WEAVE_FORMAT as WEAVE_FORMAT,
-    WEAVE_VERSION as WEAVE_VERSION,
     Design as Design,
     Weave as Weave,
 )
+from .weave_format import WEAVE_FORMAT as WEAVE_FORMAT, WEAVE_VERSION as WEAVE_VERSION
 from .weave_types import (
     FLOATING as FLOATING,
     WEAVE_TYPES as WEAVE_TYPES,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,8 +17,10 @@ from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import GeoweaveError
 from geoweave.weave.interlacing import Interlacing, judged
 from geoweave.weave.passages import Passages
-from geoweave.weave.weave import Weave
 from geoweave.weave.widths import Neighbours
+
+if TYPE_CHECKING:
+    from geoweave.weave.weave import Weave
 
 __all__ = ["AsCut", "moved_out_of_order", "turned_over"]
 

@@ -18,12 +18,10 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import GeoweaveError
+from geoweave.weave.interlacing import EFFORT
 from geoweave.weave.odd_cycles import EQUAL, DoubledGraph, Graph, adjacency
 
-__all__ = ["EFFORT", "Labelling", "best_labels"]
-
-EFFORT = 50_000
-"""Searches for odd cycles, and rows of programs solved, that a proof may take: seconds for 4,000 edges."""
+__all__ = ["Labelling", "best_labels"]
 
 _WORK = 1_200_000
 """Elementary steps that may be spent for each unit of effort: for `EFFORT` about a minute on a slow machine.

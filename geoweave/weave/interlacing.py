@@ -17,12 +17,13 @@ from numpy.typing import ArrayLike
 
 from geoweave.arrays import Flags, Indices, frozen
 from geoweave.errors import GeoweaveError
-from geoweave.weave.best_labels import EFFORT, best_labels
-from geoweave.weave.floating_sides import floating_sides
 from geoweave.weave.passages import Passages
 from geoweave.weave.weave_types import FLOATING, WeaveType, rules_of
 
 __all__ = ["EFFORT", "Interlacing", "greedy", "judged", "optimal"]
+
+EFFORT = 50_000
+"""Searches for odd cycles, and rows of programs solved, that a proof may take: seconds for 4,000 edges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +153,9 @@ def optimal(passages: Passages, effort: int = EFFORT, pattern: WeaveType = "plai
     ribbon's width should be `merged` first. The paper leaves the choice among assignments, and interleaving,
     to future work (Section 6).
     """
+    from geoweave.weave.best_labels import best_labels
+    from geoweave.weave.floating_sides import floating_sides
+
     if pattern in FLOATING:
         over, bound = floating_sides(rules_of(passages, pattern), effort)
         return replace(judged(passages, over, pattern), bound=bound)

@@ -8,8 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.curves import Crossings, Curves
@@ -183,6 +181,8 @@ def merged(passages: Passages, near: float, lengths: Scalars | None = None) -> M
     GeoweaveError
         If ``near`` is negative or not finite, or the lengths do not fit.
     """
+    from scipy import sparse
+    from scipy.sparse import csgraph
     from scipy.spatial import KDTree
 
     if not 0 <= near < np.inf:

@@ -21,10 +21,9 @@ from geoweave.weave.interlacing import Interlacing, greedy
 from geoweave.weave.passages import Passages
 from geoweave.weave.ribbon_ends import openings_reached
 from geoweave.weave.ribbons import Ribbons
+from geoweave.weave.weave_format import WEAVE_FORMAT, WEAVE_VERSION
 
 __all__ = [
-    "WEAVE_FORMAT",
-    "WEAVE_VERSION",
     "Design",
     "Units",
     "Weave",
@@ -32,9 +31,6 @@ __all__ = [
     "default_width",
     "labels",
 ]
-
-WEAVE_FORMAT, WEAVE_VERSION = "geoweave-weave", 1
-"""What the first lines of ``weave.json`` say."""
 
 Units: TypeAlias = Literal["mesh", "mm"]
 """Of everything that is written: that of the mesh file, or millimetres."""

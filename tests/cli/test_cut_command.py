@@ -16,7 +16,8 @@ import pytest
 from laidflat import circles, cone, flat
 
 from geoweave.cli import main
-from geoweave.fabrication.svg import path_lines, read_svg
+from geoweave.fabrication.svg import read_svg
+from geoweave.fabrication.svg_paths import path_lines
 from geoweave.pipeline.weave_folder import write_weave
 
 SVG = "{http://www.w3.org/2000/svg}"

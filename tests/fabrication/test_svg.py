@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from itertools import combinations
 from pathlib import Path
 from xml.etree import ElementTree
@@ -18,6 +17,7 @@ from geoweave.fabrication.marks import DISC, MARKS, outline
 from geoweave.fabrication.pieces import Making
 from geoweave.fabrication.stroke_font import Box, boxes_overlap
 from geoweave.fabrication.svg import read_svg, svg_text, write_svg
+from geoweave.fabrication.svg_paths import path_lines
 
 SVG = "{http://www.w3.org/2000/svg}"
 INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
@@ -33,19 +33,7 @@ def paths(element: ElementTree.Element) -> list[NDArray[np.float64]]:
     if element.tag == f"{SVG}circle":
         x, y, r = (float(element.attrib[each]) for each in ("cx", "cy", "r"))
         return [np.array([[x, -y]]) + r / DISC * outline(MARKS.index("disc"))]
-    found = []
-    for part in element.attrib["d"].split("M")[1:]:
-        # after "l" come steps, not places
-        first, _, steps = part.partition("l")
-        points = _numbers(first)
-        if steps:
-            points = np.cumsum(np.concatenate([points, _numbers(steps)]), axis=0)
-        found.append(points * [1, -1])
-    return found
-
-
-def _numbers(text: str) -> NDArray[np.float64]:
-    return np.array(re.findall(r"-?\d*\.?\d+", text), dtype=np.float64).reshape(-1, 2)
+    return [points * [1, -1] for points in path_lines(element.attrib["d"])]
 
 
 def box(element: ElementTree.Element, pen: float) -> Box:
@@ -103,7 +91,7 @@ def test_crossings_are_where_they_belong_with_equal_marks(name: str) -> None:
                 seen.setdefault(x, []).append(each.attrib["class"])
                 (shape,), wanted = paths(each), outline(int(pattern.mark[x]))
                 size = np.ptp(shape[:, 0]) / np.ptp(wanted[:, 0])
-                np.testing.assert_allclose(shape - shape[0], size * (wanted - wanted[0]), atol=3e-3)
+                np.testing.assert_allclose(shape - shape[0], size * (wanted - wanted[0]), atol=0.02)
     assert sorted(seen) == list(range(len(pattern.ribbons)))
     closed = {x for x, pair in enumerate(pattern.ribbons) if any(pattern.strips[r].closed for r in pair)}
     for x, roles in seen.items():

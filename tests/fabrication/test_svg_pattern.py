@@ -98,8 +98,8 @@ def test_a_line_that_is_moved_is_found(tmp_path: Path) -> None:
     start = text.index('class="over" data-crossing="7"')
     first = text.index(' d="', start) + 4
     last = text.index('"', first)
-    # A subpath is a place and steps from there.
-    moved = re.sub(r"M([^,]+)", lambda found: f"M{float(found[1]) + 2:.3f}", text[first:last])
+    # A path is a place and steps from there.
+    moved = re.sub(r"M([\d.]+)", lambda found: f"M{float(found[1]) + 2:.3f}", text[first:last])
     path.write_text(text[:first] + moved + text[last:], encoding="utf-8")
     after = pattern_of_svg([path]).pattern
     off = np.abs(after.at - before.at)

@@ -7,6 +7,7 @@ import pytest
 from geoweave.errors import GeoweaveError
 from geoweave.weave import best_labels as labelling
 from geoweave.weave.best_labels import best_labels
+from geoweave.weave.interlacing import EFFORT
 
 
 def exhaustive(nodes, first, second, parity, tie):
@@ -85,7 +86,7 @@ def test_elementary_steps_end_a_proof_on_a_large_graph(monkeypatch):
     monkeypatch.setattr(labelling, "_WORK", 20)
     found = best_labels(*graph)
     assert not found.proven
-    assert found.effort < 0.5 * labelling.EFFORT
+    assert found.effort < 0.5 * EFFORT
     assert 0 <= found.bound < found.broken.sum()
 
 
