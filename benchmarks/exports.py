@@ -118,7 +118,7 @@ def row(name: str, preset: str, keep: bool) -> dict[str, Any]:
         "dxf_kB": round(sizes[".dxf"] / 1e3),
         "cut_seconds": round(cutting, 2),
         "numpy_starts": round(cutting / numpys, 1),
-        "mean_step_mm": earlier_report(made.files["report.json"].parent)["cut"]["assembly"]["mean_step"],
+        "mean_step_mm": earlier_report(made.files["report.json"].parent)["assembly"]["mean_step"],
     }
     drawing = min(path for path in made.files.values() if path.suffix == ".svg")
     clock = time.process_time()

@@ -35,9 +35,14 @@ from .sheet_materials import (
     material_of as material_of,
 )
 from .sheet_sizes import PAPERS as PAPERS, Paper as Paper, stock_of as stock_of
-from .standing import base_axis as base_axis, check_axis as check_axis, up_axis as up_axis
 from .strip_drawing import drawn as drawn
 from .strip_layout import StripLayout as StripLayout, layout as layout
 from .svg import read_svg as read_svg
 from .svg_pattern import SvgPattern as SvgPattern, pattern_of_svg as pattern_of_svg
+from .up_axes import (
+    base_axis as base_axis,
+    check_axis as check_axis,
+    up_axis as up_axis,
+    upward as upward,
+)
 from .viewer_page import viewer_html as viewer_html

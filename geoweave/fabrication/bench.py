@@ -11,7 +11,7 @@ from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.nesting import Stock
 from geoweave.fabrication.pieces import Making
 from geoweave.fabrication.sheet_sizes import paper_of
-from geoweave.fabrication.standing import check_axis
+from geoweave.fabrication.up_axes import check_axis
 
 __all__ = ["Bench", "media_of"]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import Vectors
 from geoweave.fabrication.colours import FAMILIES
 from geoweave.fabrication.flattening import WeaveLike, weave_document
-from geoweave.fabrication.standing import up_axis
+from geoweave.fabrication.up_axes import up_axis
 from geoweave.files import replacing
 from geoweave.weave import SECTIONS, Body, Centreline, bodies
 

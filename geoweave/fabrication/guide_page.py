@@ -20,7 +20,7 @@ from geoweave.fabrication.marks import MARKS, outline
 from geoweave.fabrication.page import page_of
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making
-from geoweave.fabrication.standing import AXES, up_axis
+from geoweave.fabrication.up_axes import AXES, up_axis
 
 __all__ = ["guide_content", "guide_html"]
 

@@ -96,7 +96,7 @@ def hooped(
             f"--hoops {np.ceil(10 * least) / 10:g} or more"
         )
     bare = [(_array(each["points"]), _array(each["normals"])) for each in openings]
-    loops = [(points, upright(points, normals)) for points, normals in bare]
+    loops = [(points, hoop_normals(points, normals)) for points, normals in bare]
     ends = _ends(weave, bare)
     empty = [k for k in range(len(loops)) if not any(each.opening == k for each in ends)]
     if len(empty) == len(loops):
@@ -107,12 +107,12 @@ def hooped(
         for k, (points, normals) in enumerate(loops):
             own = [each for each in ends if each.opening == k]
             there = _at_rest(points, own, weave, rest) if own else points
-            moved.append((there, upright(there, normals)))
+            moved.append((there, hoop_normals(there, normals)))
         found["relaxed.json"] = _with(rest, loops, moved, ends, allowance)
     return found
 
 
-def upright(points: Vectors, normals: Vectors) -> Vectors:
+def hoop_normals(points: Vectors, normals: Vectors) -> Vectors:
     """(N, 3) normals of a straight strip along a closed line: it stands on the plane that fits the line best.
 
     A boundary bends within its surface, which a straight strip cannot. It leans away from the surface
@@ -127,13 +127,13 @@ def upright(points: Vectors, normals: Vectors) -> Vectors:
     axis = np.linalg.svd(centred, full_matrices=False)[2][2]
     ahead = np.roll(points, -1, axis=0) - points
     ahead /= np.maximum(np.linalg.norm(ahead, axis=1), 1e-300)[:, None]
-    upright = np.cross(ahead, axis)
-    size = np.linalg.norm(upright, axis=1)
-    upright /= np.maximum(size, 1e-300)[:, None]
-    agree = (upright * normals).sum(axis=1)
-    upright *= np.sign(agree.sum()) or 1.0
+    across = np.cross(ahead, axis)
+    size = np.linalg.norm(across, axis=1)
+    across /= np.maximum(size, 1e-300)[:, None]
+    agree = (across * normals).sum(axis=1)
+    across *= np.sign(agree.sum()) or 1.0
     leans = np.abs(agree.mean()) >= LEAN and size.min() > LEAN
-    return np.asarray(upright if leans else normals)
+    return np.asarray(across if leans else normals)
 
 
 def _array(values: Any) -> NDArray[np.float64]:

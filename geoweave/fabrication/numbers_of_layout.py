@@ -21,8 +21,7 @@ def layout_numbers(laid: StripLayout) -> dict[str, Any]:
         ``sheets`` and ``sheet_size`` where there are sheets, ``pages`` by paper, ``used_share`` of both by
         name (the last one counted down to its lowest strip), ``strips``, ``pieces``, ``smallest_text_mm``
         (None where nothing is written), ``in_key`` (crossings that only the key names), ``unmarked`` (those
-        without even a mark), ``fasten``, the ``bill`` (`Bill`), and the ``assembly`` (`assembly_numbers`),
-        None where nothing is known of the weave in space.
+        without even a mark), ``fasten``, and the ``bill`` (`Bill`).
 
     Examples
     --------
@@ -55,5 +54,4 @@ def layout_numbers(laid: StripLayout) -> dict[str, Any]:
         "unmarked": sum(not line.marked for each in laid.drawings for line in each.key),
         "fasten": bill.fasten,
         "bill": bill.document(),
-        "assembly": laid.assembly,
     }

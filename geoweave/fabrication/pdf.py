@@ -17,7 +17,7 @@ from geoweave.fabrication.colours import INK, Colours, mixed
 from geoweave.fabrication.marks import outline
 from geoweave.fabrication.nesting import Sheet, Stock, nested
 from geoweave.fabrication.pattern import Pattern
-from geoweave.fabrication.pdf_front import Line, draw_front, front_count
+from geoweave.fabrication.pdf_front import KEY_LETTERS, Line, draw_front, front_count, page_key
 from geoweave.fabrication.pdf_marks import pdf_colour, strip_operators
 from geoweave.fabrication.sheet_sizes import Paper
 from geoweave.fabrication.strip_figures import Drawn
@@ -37,6 +37,9 @@ MARGIN, FOOT, CROSS = 12.0, 21.0, 7.0
 
 RULER = (14.0, 20.0, 100.0)
 """Where the ruler begins and how long it is, mm."""
+
+KEY_TOP, KEY_STEP, KEY_END = 30.4, 2.7, 188.0
+"""Where the key of a page begins, the distance of its lines, and where the map of the pages begins, mm."""
 
 
 def page_stock(paper: Paper) -> Stock:
@@ -58,6 +61,7 @@ def write_pdf(
     title: str,
     front: Sequence[Line] = (),
     mirror: bool = False,
+    keyed: bool = True,
 ) -> None:
     """Write pages as PDF, whole or not at all.
 
@@ -71,6 +75,7 @@ def write_pdf(
     title : stands on each page
     front : lines of the first pages, which are numbered with the others
     mirror : whether the strips are drawn as seen from the inside
+    keyed : whether the key of a page stands below its strips
 
     Examples
     --------
@@ -84,7 +89,7 @@ def write_pdf(
     ...     path.read_bytes()[:5]
     b'%PDF-'
     """
-    data = pdf_bytes(pattern, pages, paper, colours, title, front, mirror)
+    data = pdf_bytes(pattern, pages, paper, colours, title, front, mirror, keyed)
     with replacing(path) as temporary:
         temporary.write_bytes(data)
 
@@ -97,6 +102,7 @@ def pdf_bytes(
     title: str,
     front: Sequence[Line] = (),
     mirror: bool = False,
+    keyed: bool = True,
 ) -> bytes:
     """The file, without a date: the same pages give the same bytes."""
     # The library is loaded by those who write pages only.
@@ -123,6 +129,8 @@ def pdf_bytes(
                 canvas.drawPath(PDFPathObject(code=code), stroke=0, fill=0)
                 _row_numbers(canvas, page)
                 _crosses(canvas, paper)
+                if keyed:
+                    _key(canvas, page)
                 _ruler(canvas)
                 _legend(canvas, pattern, paper, colours, mirror)
                 _map(canvas, pattern, pages, number - before, paper, colours)
@@ -156,6 +164,14 @@ def _row_numbers(canvas: Canvas, page: Sheet) -> None:
     rows = {laid.row: laid.y for laid in reversed(page.laid)}
     for row, y in rows.items():
         canvas.drawRightString(MARGIN - 1.0, MARGIN + FOOT + y - 0.8, str(row))
+
+
+def _key(canvas: Canvas, page: Sheet) -> None:
+    """What the marks of this page mean that have no name beside them."""
+    canvas.setFillColor(pdf_colour(INK))
+    canvas.setFont("Helvetica", KEY_LETTERS)
+    for k, line in enumerate(page_key(page, KEY_END - RULER[0])):
+        canvas.drawString(RULER[0], KEY_TOP - k * KEY_STEP, line)
 
 
 def _crosses(canvas: Canvas, paper: Paper) -> None:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from geoweave.fabrication.bill import Bill
 from geoweave.fabrication.marks import MARKS
+from geoweave.fabrication.nesting import Sheet
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pdf_marks import pdf_colour
 from geoweave.fabrication.pieces import Making, Piece
@@ -18,7 +19,16 @@ from geoweave.fabrication.strip_figures import Drawn
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
 
-__all__ = ["Line", "draw_front", "front_count", "front_lines", "key_text", "piece_name"]
+__all__ = [
+    "KEY_LETTERS",
+    "Line",
+    "draw_front",
+    "front_count",
+    "front_lines",
+    "key_text",
+    "page_key",
+    "piece_name",
+]
 
 EDGE, COLUMN, STEP, LETTERS = 14.0, 66.0, 3.3, 2.3
 """Margin of a page, width of a column, distance of lines and height of the font, mm."""
@@ -28,6 +38,10 @@ WRAP = 58
 
 PER_LINE = 2
 """Entries of the key in a line."""
+
+
+KEY_LETTERS, KEY_LINES = 2.1, 2
+"""Height of the font of the key of a page, mm, and how many lines it may have."""
 
 
 class Line(NamedTuple):
@@ -96,6 +110,34 @@ def key_text(drawing: Drawn) -> list[str]:
         f"{'over' if line.over else 'under'}"
         for line in drawing.key
     ]
+
+
+def page_key(page: Sheet, wide: float) -> list[str]:
+    """The lines below the strips of a page that say what its marks without names mean.
+
+    Parameters
+    ----------
+    page : with its strips
+    wide : what a line may take, mm
+    """
+    from reportlab.pdfbase.pdfmetrics import stringWidth
+
+    entries = [f"row {laid.row} at {text}" for laid in page.laid for text in key_text(laid.drawn)]
+    if not entries:
+        return []
+    lines, rest = ["Marks without a name (mm from the start of the piece): "], list(entries)
+    while rest:
+        # The last line keeps room for what says that there is more.
+        more = "" if len(rest) == 1 or len(lines) < KEY_LINES else f"; {len(rest)} more in the key in front"
+        fits = stringWidth(lines[-1] + rest[0] + more, "Helvetica", KEY_LETTERS) <= wide
+        if fits:
+            lines[-1] += rest.pop(0) + ("; " if rest else "")
+        elif len(lines) < KEY_LINES:
+            lines.append("")
+        else:
+            lines[-1] += f"{len(rest)} more in the key in front"
+            break
+    return lines
 
 
 def piece_name(pattern: Pattern, piece: Piece) -> str:

@@ -196,6 +196,7 @@ class StripLayout:
                 bench.title,
                 front,
                 bench.making.mirror,
+                bench.making.labels != "none",
             )
         }
 

@@ -28,8 +28,8 @@ SPACE = 0.35
 """Width of a blank, in heights."""
 
 SMOOTH = 0.1
-"""How far a stroke may be from its curve, where a letter is 6 high: 0.03 mm in the smallest letters, a seventh
-of the pen in all."""
+"""How far a stroke may be from its curve, where a letter is 6 high: 0.03 mm in the smallest letters, about
+a seventh of the pen."""
 
 COLUMN = 8.0
 """Width of the columns by which boxes are found again, mm: about that of a label."""

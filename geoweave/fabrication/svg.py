@@ -206,9 +206,10 @@ def _printed(figure: Figure, spot: Spot, look: Ink, usual: Usual, height: float)
     turn = f' transform="rotate({-spot.turn:g} {x} {y})"' if spot.turn else ""
     fill = "" if look.stroke == usual.stroke else f' fill="{look.stroke}"'
     size = "" if font == usual.letters else f' font-size="{font}"'
+    long = number(box.right - box.left)
     return (
-        f'<text class="{figure.role}" x="{x}" y="{low}"{turn}{fill}{size} '
-        f'textLength="{number(box.right - box.left)}" lengthAdjust="spacingAndGlyphs">{escape(figure.text)}</text>'
+        f'<text class="{figure.role}" x="{x}" y="{low}"{turn}{fill}{size} textLength="{long}" '
+        f'lengthAdjust="spacingAndGlyphs">{escape(figure.text)}</text>'
     )
 
 

@@ -46,7 +46,7 @@ def path_data(paths: Paths, closed: bool, height: float, step: float) -> str:
 
 
 def text_data(text: str, size: float, turn: float, x: float, y: float, step: float) -> str:
-    """A text whose middle is at a place of the file, with letters of a height, turned to the left by degrees."""
+    """A text about a place of the file, with letters of a height, turned to the left by degrees."""
     (across, down), rest = _text(text, size, turn, step)
     return f"M{_packed([round(x / step) + across, round(y / step) + down], step)}{rest}"
 

@@ -13,7 +13,7 @@ from geoweave.errors import FieldError
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.flattening import WeaveLike, weave_document
 from geoweave.fabrication.page import page_of
-from geoweave.fabrication.standing import up_axis
+from geoweave.fabrication.up_axes import up_axis
 from geoweave.fabrication.viewer_payload import viewer_content
 
 __all__ = ["viewer_html"]

@@ -16,7 +16,7 @@ from geoweave.arrays import Indices, Scalars, Vectors
 from geoweave.fabrication.colours import Colours
 from geoweave.fabrication.glb import ribbon_bodies
 from geoweave.fabrication.guide_payload import shape
-from geoweave.fabrication.standing import AXES
+from geoweave.fabrication.up_axes import AXES
 from geoweave.weave import Body, design_key
 
 __all__ = ["sideways_bend", "viewer_content"]

@@ -18,7 +18,7 @@ from geoweave.files import Job, OutputError, checked_folder, printable
 from geoweave.pipeline.cut_request import CutRequest
 from geoweave.pipeline.source import Say, about, silent, timed
 from geoweave.pipeline.strips import CutStrips, strips_of
-from geoweave.pipeline.upright import said_up
+from geoweave.pipeline.up_in_report import said_up
 from geoweave.pipeline.weave_folder import REPORT, earlier_report, write_reported
 
 if TYPE_CHECKING:
@@ -64,6 +64,7 @@ class CutFiles:
             "strips_of": self.cut.source,
             "slipped": self.cut.slipped,
             "thickness_at_rest": self.thickness_at_rest,
+            "assembly": self.layout.assembly,
             **layout_numbers(self.layout),
             "seconds": {key: round(value, 4) for key, value in self.seconds.items()},
             "files": [str(path) for path in self.files.values()],

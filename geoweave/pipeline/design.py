@@ -23,7 +23,7 @@ from geoweave.pipeline.source import (
     timed,
 )
 from geoweave.pipeline.strips import CutStrips
-from geoweave.pipeline.upright import stands
+from geoweave.pipeline.up_in_report import found_up
 from geoweave.pipeline.verdict import DO_NOT, Verdict
 from geoweave.pipeline.weave_folder import write_weave
 
@@ -175,7 +175,7 @@ def weave_file(
             with timed(seconds, "remedies"):
                 verdict = with_remedy(verdict, made, prepared, source, request, say)
         with timed(seconds, "write"):
-            up = stands(prepared.mesh, source.name, request.up)
+            up = found_up(prepared.mesh, source.name, request.up)
             jobs, left_out, order = _pattern_jobs(source, up["axis"], request, made, cut)
             said = _said(source, request, made.cut, verdict) | {"up": up, **order}
             files = write_weave(made.weave, target, wanted, made.inspection, made.relaxed, jobs, said)

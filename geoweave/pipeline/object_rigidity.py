@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 
 from geoweave.arrays import Vectors
 from geoweave.errors import RodError
-from geoweave.fabrication import SheetMaterial, material_of
-from geoweave.rods import Relaxed, RestStiffness, Rods, Springs, contact_forces, relax_rods, standing
+from geoweave.fabrication import SheetMaterial, material_of, up_axis, upward
+from geoweave.rods import Relaxed, RestStiffness, Rods, Springs, contact_forces, on_the_floor, relax_rods
 
 __all__ = ["Rigidity", "rigidity"]
 
@@ -81,19 +81,20 @@ def rigidity(
     relaxed: Relaxed,
     material: str | SheetMaterial,
     *,
-    up: ArrayLike = (0.0, 0.0, 1.0),
+    up: str | ArrayLike | None = None,
     load: float = 1.0,
 ) -> Rigidity:
     """Measure how rigid a weave at rest is when it is made of a material.
 
     Crossings are fastened. The object stands on what lies within a fiftieth of its height above its lowest
-    point (`standing`). The load pushes one crossing at a time along its normal.
+    point (`on_the_floor`). The load pushes one crossing at a time along its normal.
 
     Parameters
     ----------
     relaxed : the weave at rest, in mm
     material : a name of `geoweave.fabrication.MATERIALS`, or what it would say
-    up : (3,) direction against gravity
+    up : the axis that is up, as ``--up`` names it, or a (3,) direction against gravity; without one, that of
+        the widest base, as in the guide (`geoweave.fabrication.up_axis`)
     load : N
 
     Raises
@@ -113,23 +114,25 @@ def rigidity(
     weave = relaxed.weave
     if weave.units != "mm":
         raise RodError("the weave is not in mm; give the object a size ('--size', 'Weave.sized')")
-    upward = np.asarray(up, dtype=np.float64)
-    if upward.shape != (3,) or not (np.isfinite(upward).all() and upward.any()):
-        raise RodError(f"upwards is three finite numbers that are not all zero, not {upward.tolist()}")
-    upward = upward / np.linalg.norm(upward)
+    if up is None or isinstance(up, str):
+        up = upward(up_axis(relaxed.document(), up))
+    against = np.asarray(up, dtype=np.float64)
+    if against.shape != (3,) or not (np.isfinite(against).all() and against.any()):
+        raise RodError(f"upwards is three finite numbers that are not all zero, not {against.tolist()}")
+    against = against / np.linalg.norm(against)
     unit = weave.placement.scale
     rods = _made_of(relaxed.left.rods, sheet, unit)
     # the model's modulus stays; forces and stiffness are scaled to the material's
     modulus = sheet.young / rods.material.young
-    feet = standing(rods.points, upward)
+    feet = on_the_floor(rods.points, against)
     free, stands = RestStiffness(rods, STIFF), RestStiffness(rods, STIFF, feet)
-    height = float(np.ptp(rods.points @ upward)) * unit
+    height = float(np.ptp(rods.points @ against)) * unit
     ends = rods.layout.ends
     volume = rods.widths * sheet.thickness / unit * rods.rest * unit**3
     newtons = KG_PER_MM3 * sheet.density * GRAVITY * volume
     shares = np.bincount(ends.ravel(), np.repeat(0.5 * newtons, 2), minlength=len(rods.points))
     compliance = 1.0 / (modulus * unit)  # mm per newton, of the model's unit of both
-    sunk = compliance * stands.moved(-shares[:, None] * upward)
+    sunk = compliance * stands.moved(-shares[:, None] * against)
     soft = free.softest(min(MOTIONS, 3 * len(rods.points) - 8))
     forces = contact_forces(rods, STIFF)
     gives, worst = _worst(stands, forces.normals)

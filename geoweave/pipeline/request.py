@@ -78,7 +78,7 @@ class WeaveRequest:
     """"auto" makes the field its own image in the mirror plane of the surface, "x", "y" or "z" in one across
     that axis."""
     up: str | None = None
-    """The axis that is up: x, y, z, -x, -y or -z; found (`geoweave.pipeline.upright`) if not given."""
+    """The axis that is up: x, y, z, -x, -y or -z; found (`geoweave.pipeline.up_in_report`) if not given."""
 
     def __post_init__(self) -> None:
         """Refuse what contradicts itself."""

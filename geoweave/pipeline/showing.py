@@ -11,7 +11,7 @@ from typing import Any
 from geoweave.errors import FieldError
 from geoweave.files import check_writable, printable, replacing, text_job
 from geoweave.pipeline.source import Say, silent, timed
-from geoweave.pipeline.upright import said_up
+from geoweave.pipeline.up_in_report import said_up
 from geoweave.pipeline.weave_folder import earlier_report, listed_files, write_reported
 from geoweave.rods import read_weave
 

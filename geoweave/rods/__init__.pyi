@@ -24,7 +24,7 @@ from .natural_curvature import natural_of_strips as natural_of_strips
 from .rest_stiffness import (
     RestStiffness as RestStiffness,
     SoftMotions as SoftMotions,
-    standing as standing,
+    on_the_floor as on_the_floor,
 )
 from .rod_file import RodFile as RodFile, read_rods as read_rods, rod_text as rod_text
 from .rods import Contacts as Contacts, Layout as Layout, Material as Material, Rods as Rods

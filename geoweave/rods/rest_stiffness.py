@@ -20,7 +20,7 @@ from geoweave.rods.rods import Rods
 from geoweave.rods.slide_and_relax import Springs, relaxing_terms
 from geoweave.rods.steps import Problem, free_parts
 
-__all__ = ["RestStiffness", "SoftMotions", "standing"]
+__all__ = ["RestStiffness", "SoftMotions", "on_the_floor"]
 
 FOOT = 0.02
 """A weave stands on what lies within this share of its height above its lowest point."""
@@ -168,7 +168,7 @@ class RestStiffness:
         return found
 
 
-def standing(points: Vectors, up: Vectors) -> Flags:
+def on_the_floor(points: Vectors, up: Vectors) -> Flags:
     """(V,) vertices that a weave stands on: those within a fiftieth of its height above its lowest point.
 
     Where these lie on one spot or on one line, more are taken, until they spread to all sides or reach up to
@@ -182,7 +182,7 @@ def standing(points: Vectors, up: Vectors) -> Flags:
     Examples
     --------
     >>> square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]])
-    >>> gw.rods.standing(square, np.array([0.0, 0, 1])).tolist()
+    >>> gw.rods.on_the_floor(square, np.array([0.0, 0, 1])).tolist()
     [True, True, True, True, False]
     """
     up = np.asarray(up, dtype=np.float64)

@@ -11,7 +11,7 @@ from laidflat import circles, cone
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.flattening import pattern_of
-from geoweave.fabrication.hoops import hooped, upright
+from geoweave.fabrication.hoops import hoop_normals, hooped
 from geoweave.fabrication.strip_layout import layout
 from geoweave.models import shapes
 from geoweave.rods.weave_at_rest import relaxed_weave
@@ -109,7 +109,7 @@ def test_a_hoop_stands_upright_on_a_cone() -> None:
     assert hoop.bow < 1e-3 * hoop.length
     flat = np.array([[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]])
     up = np.tile([0.0, 0.0, 1.0], (4, 1))
-    assert upright(flat, up).tolist() == up.tolist()
+    assert hoop_normals(flat, up).tolist() == up.tolist()
 
 
 def test_hoops_are_laid_in_last() -> None:

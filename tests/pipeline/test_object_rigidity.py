@@ -13,6 +13,7 @@ from geoweave.fabrication import material_of
 from geoweave.models import shapes
 from geoweave.pipeline.object_rigidity import Rigidity, rigidity
 from geoweave.rods.weave_at_rest import Relaxed, relaxed_weave
+from geoweave.surface import TriMesh
 from geoweave.weave.design import weave_pattern
 from geoweave.weave.weave import Weave
 
@@ -91,3 +92,13 @@ def test_what_is_asked_of_no_object_is_refused() -> None:
         rigidity(rest(), "vellum", up=np.zeros(3))
     with pytest.raises(RodError, match=r"20 mm thick, and the ribbons are only .* mm wide"):
         rigidity(rest(), material_of("vellum")._replace(thickness=20.0))
+
+
+def test_it_stands_as_the_guide_shows_it() -> None:
+    """A cone whose axis is y: the axis that is up is found, and can be named."""
+    cone = shapes.cone(faces=400)
+    lying = TriMesh(cone.vertices[:, [1, 2, 0]], cone.faces)
+    rest = relaxed_weave(weave_pattern(lying, ribbons=8, phase="free").sized(100.0))
+    found, named, tipped = (rigidity(rest, "vellum", up=up) for up in (None, "y", "-x"))
+    assert found == named == rigidity(rest, "vellum", up=(0.0, 2.0, 0.0))
+    assert tipped.own_weight != pytest.approx(found.own_weight, rel=0.05)

@@ -7,7 +7,7 @@ from rodded import bar, grid, ring, three_great_circles
 from geoweave.errors import RodError
 from geoweave.rods.elastic_energies import elastic_terms
 from geoweave.rods.equilibrium import minimized
-from geoweave.rods.rest_stiffness import RestStiffness, standing
+from geoweave.rods.rest_stiffness import RestStiffness, on_the_floor
 from geoweave.rods.slide_and_relax import relax_rods
 
 BEAM = 1e6 * 0.1 * 0.01**3 / 12  # flatwise stiffness of the strips of rodded.py
@@ -120,10 +120,10 @@ def test_feet_spread():
     rng = np.random.default_rng(0)
     ball = rng.normal(size=(500, 3))
     ball /= np.linalg.norm(ball, axis=1)[:, None]
-    feet = standing(ball, np.array([0.0, 0.0, 1.0]))
+    feet = on_the_floor(ball, np.array([0.0, 0.0, 1.0]))
     assert 3 <= feet.sum() < 100
     assert ball[feet, 2].max() < ball[~feet, 2].min()
-    other = standing(ball, np.array([0.0, 0.0, -2.0]))
+    other = on_the_floor(ball, np.array([0.0, 0.0, -2.0]))
     assert ball[other, 2].min() > ball[~other, 2].max()
     with pytest.raises(RodError, match="ask for fewer"):
         RestStiffness(bar(4)).softest(100)

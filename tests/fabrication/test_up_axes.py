@@ -9,7 +9,7 @@ from meshfiles import sphere
 
 from geoweave.errors import FieldError
 from geoweave.fabrication.glb import UPRIGHT
-from geoweave.fabrication.standing import AXES, base_axis, bases, check_axis, up_axis, upward
+from geoweave.fabrication.up_axes import AXES, base_axis, bases, check_axis, up_axis, upward
 from geoweave.models import shapes
 
 

@@ -11,13 +11,13 @@ import numpy as np
 if TYPE_CHECKING:
     from geoweave.surface import TriMesh
 
-__all__ = ["CONVENTIONS", "said_up", "stands"]
+__all__ = ["CONVENTIONS", "found_up", "said_up"]
 
 CONVENTIONS = {".glb": "y", ".gltf": "y", ".3mf": "z"}
 """Formats that say which axis is up (glTF 2.0, Section 3.4; 3MF core specification, Section 2.1)."""
 
 
-def stands(mesh: TriMesh, name: str, asked: str | None = None) -> dict[str, str]:
+def found_up(mesh: TriMesh, name: str, asked: str | None = None) -> dict[str, str]:
     """What ``report.json`` says under ``up``: the axis, and by what it was found.
 
     Parameters

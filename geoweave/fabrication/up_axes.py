@@ -56,7 +56,13 @@ def check_axis(axis: str) -> str:
 
 
 def upward(axis: str) -> Vectors:
-    """(3,) the unit vector of an axis of `AXES`."""
+    """(3,) the unit vector of an axis of `AXES`.
+
+    Examples
+    --------
+    >>> gw.fabrication.upward("-y").tolist()
+    [0.0, -1.0, 0.0]
+    """
     found = np.zeros(3)
     found["xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
     return found

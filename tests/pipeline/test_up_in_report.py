@@ -10,7 +10,7 @@ import pytest
 from laidflat import cone
 
 from geoweave.errors import FieldError
-from geoweave.fabrication.standing import AXES
+from geoweave.fabrication.up_axes import AXES
 from geoweave.models import shapes
 from geoweave.pipeline.cut_request import CutRequest
 from geoweave.pipeline.cutting import cut_folder
@@ -18,7 +18,7 @@ from geoweave.pipeline.design import weave_file
 from geoweave.pipeline.request import WeaveRequest
 from geoweave.pipeline.showing import show_folder
 from geoweave.pipeline.source import MeshSource
-from geoweave.pipeline.upright import said_up, stands
+from geoweave.pipeline.up_in_report import found_up, said_up
 from geoweave.pipeline.weave_folder import earlier_report, write_weave
 
 
@@ -30,11 +30,11 @@ def page_up(path: Path) -> str:
 
 def test_asked_then_the_format_then_the_base() -> None:
     mesh = shapes.cone(faces=400)
-    assert stands(mesh, "cone.obj") == {"axis": "z", "by": "base"}
-    assert stands(mesh, "cone.GLB") == {"axis": "y", "by": "format"}
-    assert stands(mesh, "cone.glb", "-x") == {"axis": "-x", "by": "request"}
+    assert found_up(mesh, "cone.obj") == {"axis": "z", "by": "base"}
+    assert found_up(mesh, "cone.GLB") == {"axis": "y", "by": "format"}
+    assert found_up(mesh, "cone.glb", "-x") == {"axis": "-x", "by": "request"}
     with pytest.raises(FieldError, match="no axis 'up'"):
-        stands(mesh, "cone.obj", "up")
+        found_up(mesh, "cone.obj", "up")
     with pytest.raises(FieldError, match="no axis"):
         WeaveRequest(up="w")
     with pytest.raises(FieldError, match="no axis"):
