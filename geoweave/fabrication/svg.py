@@ -29,7 +29,7 @@ __all__ = ["MarkSeen", "read_svg", "svg_text", "write_svg"]
 LETTER, STEP, FINE = 0.05, 0.01, 0.001
 """Of the corners of letters, of marks, and of guides, whose direction is measured; mm."""
 
-TOGETHER = ("heading", "fold", "nick")
+TOGETHER = ("heading", "fold")
 """Figures that nobody asks for one by one.
 
 A machine works the parts of a path one after the other, as it would paths."""
@@ -118,13 +118,15 @@ def _usual(looks: Iterable[tuple[Figure, Ink]]) -> Usual | None:
 
 
 def _joined(looks: list[tuple[Figure, Ink]]) -> list[tuple[Figure, Ink]]:
-    """The figures of a piece; arrows, folds and nicks that look the same are one path."""
+    """The figures of a piece; arrows and folds that look the same are one path."""
     found: dict[object, tuple[Figure, Ink]] = {}
     for figure, look in looks:
-        key = (figure.role, figure.closed, look) if figure.role in TOGETHER else len(found)
-        there = found.get(key)
-        paths = figure.paths if there is None else there[0].paths + figure.paths
-        found[key] = figure._replace(paths=paths), look
+        if figure.role not in TOGETHER:
+            found[len(found)] = figure, look
+            continue
+        key = figure.role, figure.closed, look
+        before = found[key][0].paths if key in found else ()
+        found[key] = figure._replace(paths=before + figure.paths, crossing=-1), look
     return list(found.values())
 
 
