@@ -162,3 +162,15 @@ def test_what_is_no_svg_is_refused(tmp_path: Path) -> None:
     path.write_text("<svg><g>")
     with pytest.raises(FieldError, match=r"text.svg: cannot be read as an SVG"):
         read_svg(path)
+
+
+def test_arrows_are_one_path_and_nicks_are_not() -> None:
+    """What belongs to a crossing and is asked for by it stays an element; arrows are many, and say nothing."""
+    root, count = read("flat", making=Making(score=True)), len(patterns()["flat"].ribbons)
+    assert len([each for each in root.iter() if each.attrib.get("class") == "nick"]) == 2 * count
+    for group in root.iter(f"{SVG}g"):
+        arrows = [each for each in group if each.attrib.get("class") == "heading"]
+        # one for each colour that partners have
+        assert len(arrows) <= 2
+        assert all("data-crossing" not in each.attrib for each in arrows)
+        assert all(len(path) == 3 for each in arrows for path in paths(each))
