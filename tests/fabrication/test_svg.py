@@ -165,7 +165,7 @@ def test_what_is_no_svg_is_refused(tmp_path: Path) -> None:
 
 
 def test_arrows_are_one_path_and_nicks_are_not() -> None:
-    """What belongs to a crossing and is asked for by it stays an element; arrows are many, and say nothing."""
+    """What belongs to a crossing stays an element; arrows are many, and say nothing by themselves."""
     root, count = read("flat", making=Making(score=True)), len(patterns()["flat"].ribbons)
     assert len([each for each in root.iter() if each.attrib.get("class") == "nick"]) == 2 * count
     for group in root.iter(f"{SVG}g"):
