@@ -18,8 +18,8 @@ from scipy.sparse import csgraph
 
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.errors import GeoweaveError
-from geoweave.weave.interlacing import EFFORT
 from geoweave.weave.odd_cycles import EQUAL, DoubledGraph, Graph, adjacency
+from geoweave.weave.weave_types import EFFORT
 
 __all__ = ["Labelling", "best_labels"]
 

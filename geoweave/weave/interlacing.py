@@ -18,12 +18,9 @@ from numpy.typing import ArrayLike
 from geoweave.arrays import Flags, Indices, frozen
 from geoweave.errors import GeoweaveError
 from geoweave.weave.passages import Passages
-from geoweave.weave.weave_types import FLOATING, WeaveType, rules_of
+from geoweave.weave.weave_types import EFFORT, FLOATING, WeaveType, rules_of
 
 __all__ = ["EFFORT", "Interlacing", "greedy", "judged", "optimal"]
-
-EFFORT = 50_000
-"""Searches for odd cycles, and rows of programs solved, that a proof may take: seconds for 4,000 edges."""
 
 
 @dataclass(frozen=True, eq=False)

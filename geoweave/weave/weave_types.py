@@ -20,7 +20,7 @@ from geoweave.arrays import Flags, Indices, frozen
 from geoweave.errors import FieldError
 from geoweave.weave.passages import Passages
 
-__all__ = ["FLOATING", "WEAVE_TYPES", "Rules", "WeaveType", "Wishes", "rules_of", "weave_type_of"]
+__all__ = ["EFFORT", "FLOATING", "WEAVE_TYPES", "Rules", "WeaveType", "Wishes", "rules_of", "weave_type_of"]
 
 WeaveType: TypeAlias = Literal["kagome", "plain", "twill", "basket"]
 """Strict alternation in three families or in two; over two and under two, shifted by one or by none."""
@@ -30,6 +30,9 @@ WEAVE_TYPES: tuple[WeaveType, ...] = get_args(WeaveType)
 
 FLOATING = ("twill", "basket")
 """Types in which a ribbon passes over two others in a row."""
+
+EFFORT = 50_000
+"""Searches for odd cycles, and rows of programs solved, that a proof may take: seconds for 4,000 edges."""
 
 BIAXIAL, TRIAXIAL = 4, 6
 """Symmetries of two and of three families of ribbons."""
