@@ -107,9 +107,10 @@ def _text(text: str, spot: Spot) -> str:
     x = spot.x - 0.5 * wide * c + 0.5 * spot.size * s
     y = spot.y - 0.5 * wide * s - 0.5 * spot.size * c
     stretch = 100 * wide / (size * _width(text))
+    # Numbers of a PDF have no exponents (ISO 32000-1, 7.3.3): a text with one is not drawn.
     return (
         f"BT {FONT} {size:.4f} Tf {stretch:.2f} Tz "
-        f"{c:.5g} {s:.5g} {-s:.5g} {c:.5g} {x:.3f} {y:.3f} Tm ({_escaped(text)}) Tj ET"
+        f"{c:.5f} {s:.5f} {-s:.5f} {c:.5f} {x:.3f} {y:.3f} Tm ({_escaped(text)}) Tj ET"
     )
 
 
