@@ -7,7 +7,9 @@ import shutil
 import subprocess
 import tomllib
 from pathlib import Path
+from unittest import mock
 
+import nbformat
 import pytest
 import yaml
 from packaging.requirements import Requirement
@@ -132,6 +134,29 @@ def test_every_way_to_start_installs_what_drawing_needs() -> None:
         assert "make .venv/.complete" in text
     assert "make figures && make test" in docker
     assert (ROOT / "binder" / "runtime.txt").read_text(encoding="utf-8").strip() == "python-3.11"
+
+
+def test_the_notebook_for_colab_installs_this_package_and_runs_a_figure() -> None:
+    notebook = nbformat.read(ROOT / "binder" / "colab.ipynb", as_version=4)
+    nbformat.validate(notebook)
+    install, weave, figure = (cell.source for cell in notebook.cells if cell.cell_type == "code")
+    script = (ROOT / "scripts" / "graphics_library.sh").read_text(encoding="utf-8")
+    (packages,) = re.findall(r'^PACKAGES="(.+)"$', script, re.MULTILINE)
+    assert packages in install
+    (folder,) = re.findall(r"git clone .* (\w+)$", install, re.MULTILINE)
+    assert f"./{folder} " in install
+    # what has to be set before anything is drawn is what the kernels of Binder get
+    for name in re.findall(
+        r"--env (VTK\w+) (\w+)", (ROOT / "binder" / "postBuild").read_text(encoding="utf-8")
+    ):
+        assert '{}="{}"'.format(*name) in weave
+    assert weave.index("os.environ") < weave.index("import geoweave")
+    (path,) = re.findall(rf"%run {folder}/(\S+)", figure)
+    assert (ROOT / path).is_file()
+    names: dict[str, object] = {}
+    with mock.patch.dict(os.environ):
+        exec(compile(weave, "colab", "exec"), names)
+    assert len(names["woven"].ribbons) > 20  # type: ignore[attr-defined]
 
 
 def test_ci_runs_the_readme_command() -> None:

@@ -76,12 +76,15 @@ class Picture:
         return buffer.getvalue()
 
     def png_within(self, limit: int, width: int | None = None, *, palette: bool = False) -> bytes:
-        """Encode as large as fits into ``limit`` bytes, in steps of a tenth of the width."""
+        """Encode as large as fits into ``limit`` bytes, in steps of a twentieth of the width or more."""
         full = min(width or self.pixels.shape[1], self.pixels.shape[1])
-        for tenths in range(10, 1, -1):
-            encoded = self.png(full * tenths // 10, palette=palette)
+        now = full
+        while now >= full // 5:
+            encoded = self.png(now, palette=palette)
             if len(encoded) <= limit:
                 return encoded
+            # Bytes grow with the area, but slower: this is seldom too small.
+            now = min(now - max(1, full // 20), int(now * (limit / len(encoded)) ** 0.5))
         raise RenderError(f"the figure does not fit into {limit:,} bytes even at a fifth of its size")
 
     def show(self) -> None:

@@ -72,6 +72,11 @@ class Sprung:
             made = bands(self.rods, np.arange(len(self.rods)))
             smooth = _at_points(self.rods, self.values)[made.segments]
             limits = (scale.low, scale.high)
+            if scale.log:
+                smooth, limits = (
+                    np.log(np.maximum(smooth, scale.low)),
+                    (np.log(scale.low), np.log(scale.high)),
+                )
             scene.add_solid(
                 made.points, made.quads, values=smooth, limits=limits, colormap=scale.colormap, framed=True
             )

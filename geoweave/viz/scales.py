@@ -107,8 +107,12 @@ def deviation_scale(high: float = 30.0) -> Scale:
     return Scale(style.shade(), 0.0, high, "angle between level sets and field (degrees)")
 
 
-def energy_scale(values: Sequence[Scalars], unit: str, percentile: float = 98.0) -> Scale:
+def energy_scale(
+    values: Sequence[Scalars], unit: str, percentile: float = 98.0, decades: float | None = None
+) -> Scale:
     """One scale for the energy per length on all rods, from 0 to a percentile of all values.
+
+    With ``decades`` it is logarithmic, and begins so many powers of ten lower.
 
     Raises
     ------
@@ -124,7 +128,9 @@ def energy_scale(values: Sequence[Scalars], unit: str, percentile: float = 98.0)
     if not high > 0:
         raise RenderError("no rod has any energy, so there is nothing to show by colour")
     label = f"elastic energy per length, {unit} (clamped at the {percentile:g}th percentile)"
-    return Scale(style.sequential(), 0.0, high, label)
+    if decades is None:
+        return Scale(style.sequential(), 0.0, high, label)
+    return Scale(style.sequential(), high * 10.0**-decades, high, label, log=True)
 
 
 def rounded_up(value: float) -> float:
@@ -165,7 +171,7 @@ def colour_bar(
     if scale.ticks:
         bar.set_ticklabels(list(scale.ticks.values()))
     elif scale.log:
-        bar.locator = LogLocator(2.0, numticks=9)
+        bar.locator = LogLocator(2.0 if scale.high < 50.0 * scale.low else 10.0, numticks=9)
         bar.formatter = FuncFormatter(lambda value, _: f"{value:g}")
         bar.minorlocator = NullLocator()
         bar.update_ticks()

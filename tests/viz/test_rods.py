@@ -43,6 +43,10 @@ def test_pictures() -> None:
     coloured = viz.Sprung(viz.at_rest(found), found.weave.mesh, "at rest", values=values, opacity=0.3)
     pixels = [each.scene(scale).draw(120) for each in (plain, coloured)]
     assert all((picture < 200).any() for picture in pixels)
+    even = viz.energy_scale([values], "N", decades=3)
+    assert even.log
+    assert even.low == even.high / 1000
+    assert (coloured.scene(even).draw(120) != pixels[1]).any()
     # one hue against a map: the second has more colours
     assert np.ptp(pixels[1].reshape(-1, 3), axis=0).min() > 50
     picture = viz.rod_gallery([plain, coloured], scale=scale, width=600)
