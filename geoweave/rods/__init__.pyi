@@ -8,6 +8,7 @@ from .curved_weave import STRIPS as STRIPS, StripKind as StripKind, curved as cu
 from .departure import (
     Distances as Distances,
     fitted as fitted,
+    mean_tilt as mean_tilt,
     rigid_fit as rigid_fit,
     vertex_weights as vertex_weights,
 )

@@ -18,7 +18,16 @@ from geoweave.errors import RodError
 from geoweave.rods.rods import Rods
 from geoweave.surface import TriMesh, closest_points, segment_tree, triangle_tree
 
-__all__ = ["Departure", "Distances", "departure", "fitted", "held", "rigid_fit", "vertex_weights"]
+__all__ = [
+    "Departure",
+    "Distances",
+    "departure",
+    "fitted",
+    "held",
+    "mean_tilt",
+    "rigid_fit",
+    "vertex_weights",
+]
 
 
 @dataclass(frozen=True)
@@ -103,6 +112,29 @@ def rigid_fit(points: Vectors, targets: Vectors, weights: Scalars) -> tuple[Vect
     u[:, 2] *= np.sign(np.linalg.det(u @ v))
     rotation = (u @ v).T
     return rotation, goal - rotation @ middle
+
+
+def mean_tilt(rods: Rods, design: Rods) -> float:
+    """Mean angle, in degrees, by which ribbons have turned out of the plane that they were designed in.
+
+    It is the angle between the thickness directions of a place now and as designed, after the rigid motion
+    of `rigid_fit`, averaged over the length.
+
+    Parameters
+    ----------
+    rods, design : the same rods, now and as designed
+
+    Examples
+    --------
+    >>> rods = gw.elastic_rods(gw.weave_pattern(gw.shapes.cone(faces=400), ribbons=8)).rods
+    >>> round(gw.rods.mean_tilt(rods, rods), 6)
+    0.0
+    """
+    rotation, _ = rigid_fit(rods.points, design.points, vertex_weights(rods))
+    now, then = rods.directors @ rotation.T, design.directors
+    # By half the angle: the arc cosine of a cosine near 1 would lose half of the digits.
+    half = np.arctan2(np.linalg.norm(now - then, axis=1), np.linalg.norm(now + then, axis=1))
+    return float(np.degrees(np.average(2.0 * half, weights=rods.rest)))
 
 
 def fitted(rods: Rods, design: Rods, *, placed: bool = False) -> Vectors:

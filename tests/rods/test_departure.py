@@ -6,7 +6,7 @@ from rodded import any_rotation, bar, circle, rods_of, turned
 
 from geoweave.errors import RodError
 from geoweave.models.shapes import sphere
-from geoweave.rods.departure import departure, fitted, held, rigid_fit, vertex_weights
+from geoweave.rods.departure import departure, fitted, held, mean_tilt, rigid_fit, vertex_weights
 from geoweave.rods.rods import DERIVED, Contacts
 
 
@@ -47,6 +47,20 @@ def test_no_rigid_motion_fits_better():
         turn, _ = np.linalg.qr(np.eye(3) + generator)
         turn *= np.sign(np.diag(turn))
         assert cost(turn @ rotation, shift + 0.02 * rng.normal(size=3) * (k % 2)) >= least
+
+
+def test_tilt_is_the_angle_that_directors_turn_and_no_rigid_motion_counts():
+    rods = hoops()
+    assert mean_tilt(turned(rods, any_rotation(), np.array([1.0, 2.0, 3.0])), rods) == pytest.approx(
+        0, abs=1e-9
+    )
+    ends = rods.points[rods.layout.ends]
+    tangents = ends[:, 1] - ends[:, 0]
+    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
+    angle = np.radians(np.where(np.arange(len(tangents)) % 2, 10.0, -20.0))[:, None]
+    aside = np.cross(tangents, rods.directors)
+    tilted = replace(rods, directors=np.cos(angle) * rods.directors + np.sin(angle) * aside)
+    assert mean_tilt(tilted, rods) == pytest.approx(15.0)
 
 
 def test_rods_that_are_held_are_not_fitted():
