@@ -163,7 +163,7 @@ def _add_rimmed(scene: Scene, mesh: TriMesh, points: Vectors) -> None:
     """Add white dots in dark ones: no ribbon has either colour."""
     if not len(points):
         return
-    radius, normals = 0.017 * mesh.bounding_radius, mesh.vertex_normals
+    radius, normals = 0.012 * mesh.bounding_radius, mesh.vertex_normals
     nearest = cKDTree(mesh.vertices).query(points)[1]
     scene.add_dots(points, 1.4 * radius, [style.INK] * len(points))
     lifted = points + facing(mesh) * radius * normals[nearest]
