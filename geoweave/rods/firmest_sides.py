@@ -12,24 +12,32 @@ from geoweave.rods.crossing_forces import FRICTION, contact_forces
 from geoweave.rods.equilibrium import Equilibrium
 from geoweave.rods.rods import Rods
 from geoweave.rods.slide_and_relax import Springs, relax_rods
-from geoweave.weave import Passages, interlacing
+from geoweave.weave import Passages, WeaveType, interlacing
 
 __all__ = ["firmest"]
 
 
-def firmest(rods: Rods, *, springs: Springs | None = None, friction: float = FRICTION) -> Equilibrium:
+def firmest(
+    rods: Rods,
+    *,
+    springs: Springs | None = None,
+    friction: float = FRICTION,
+    pattern: WeaveType = "plain",
+) -> Equilibrium:
     """Choose over and under at rest so that fewer crossings need a fastener.
 
     What the weave was designed for comes first: ribbons alternate at least as often, and then at least as
-    many triangles interleave. Sides may still be exchanged at all crossings together, and at a crossing where
-    half of the relations to its neighbours are broken anyhow. Each such choice is relaxed, the crossing with
-    the greatest need first, and kept if fewer crossings need a fastener. So the search ends.
+    many triangles interleave; a twill or a basket breaks no more of its rules. Sides may still be exchanged
+    at all crossings together, and at a crossing where half of the relations to its neighbours are broken
+    anyhow. Each such choice is relaxed, the crossing with the greatest need first, and kept if fewer
+    crossings need a fastener. So the search ends.
 
     Parameters
     ----------
     rods : a weave, at rest or not
     springs : stiffnesses of the contacts
     friction : coefficient of friction between two ribbons
+    pattern : the weave that is meant
 
     Returns
     -------
@@ -47,8 +55,8 @@ def firmest(rods: Rods, *, springs: Springs | None = None, friction: float = FRI
     passages = Passages(layout.rod_of_segment[rods.contacts.segments], positions(rods), layout.closed)
 
     def worth(over: Indices) -> tuple[int, int]:
-        found = interlacing.judged(passages, over)
-        return -int(found.broken.sum()), found.interleaved
+        found = interlacing.judged(passages, over, pattern)
+        return -found.defects, found.interleaved if found.unmet is None else 0
 
     best = relax_rods(rods, springs=springs)
     if not len(rods.contacts):

@@ -14,30 +14,35 @@ from geoweave.rods.contact_order import gaps_of
 from geoweave.rods.crossing_forces import contact_forces
 from geoweave.rods.rods import Rods
 from geoweave.rods.slide_and_relax import Springs
+from geoweave.weave import FLOATING, WeaveType
 
 __all__ = ["HoldingAtRest", "Lack", "interlacing_force"]
 
-ALTERNATING = 24.0
-"""A strip of stiffness B that goes over and under every d, in steps of h, presses with ``24 B h / d^3``.
+ALTERNATING, FLOATS = 24.0, 3.0
+"""Forces of a strip of stiffness B that crosses every d, in ``B h / d^3``; h is how far it goes up and down.
 
-Between two crossings it is a beam that is clamped at both ends, one of which is moved by h: ``12 B h / d^3``.
+Its heights at crossings i are waves ``u cos(a i + b)``. A beam over such supports presses on each with
+``6 u (2 - 2 cos a)^2 / (4 + 2 cos a) B / d^3``, as the three moments of its spans say. Where it goes over
+and under in turn, ``a = pi`` and ``u = h / 2``; over two and under two, ``a = pi / 2``, ``u cos b = h / 2``.
 """
 
 
-def interlacing_force(rods: Rods) -> float:
-    """Force with which ribbons press on each other because they alternate a median distance apart.
+def interlacing_force(rods: Rods, pattern: WeaveType = "plain") -> float:
+    """Force with which ribbons press on each other because of how they interlace, a median distance apart.
 
     Parameters
     ----------
     rods : with contacts
+    pattern : the weave that is meant; in a twill and a basket ribbons pass over two others in a row
 
     Returns
     -------
-    ``24 B h / d^3``, force.
+    ``24 B h / d^3``, or ``3 B h / d^3`` of a twill or a basket.
     """
+    factor = FLOATS if pattern in FLOATING else ALTERNATING
     apart = float(np.median(gaps_of(rods).lengths))
     stiffness = float(rods.material.bending(rods.widths).mean())
-    return ALTERNATING * stiffness * rods.material.thickness / apart**3
+    return factor * stiffness * rods.material.thickness / apart**3
 
 
 class Lack:
@@ -94,11 +99,12 @@ class HoldingAtRest:
     rods : with the contacts
     springs : stiffnesses of the contacts
     weight : of the mean of these squares
+    pattern : the weave that is meant
     """
 
-    def __init__(self, rods: Rods, springs: Springs, weight: float) -> None:
+    def __init__(self, rods: Rods, springs: Springs, weight: float, pattern: WeaveType = "plain") -> None:
         self.springs, self.weight = springs, weight
-        self.unit = interlacing_force(rods)
+        self.unit = interlacing_force(rods, pattern)
 
     def lack(self, rods: Rods) -> Lack:
         """Measure rods at rest."""

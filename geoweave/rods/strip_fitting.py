@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from geoweave.rods.rods import Rods
 from geoweave.rods.slide_and_relax import Springs, relax_rods, relaxing_terms
 from geoweave.rods.steps import Stepping
 from geoweave.surface import TriMesh
+from geoweave.weave import WeaveType
 
 __all__ = ["CurvedStep", "CurvedStrips", "Fitting", "optimal_strips"]
 
@@ -41,7 +42,7 @@ class Fitting:
     smooth : weight of the mean squared second difference of curvature x width between knots, against the mean
         squared distance in diagonals
     hold : weight of the forces that friction must bear, against the mean squared distance: the mean squares
-        of those along ribbons, and of what ribbons press less than by alternating (`Lack`); 0 for none
+        of those along ribbons, and of what ribbons press less than by interlacing (`Lack`); 0 for none
     enough : the iteration has converged when a step is foreseen to lower the target by less than this share
     most_steps : largest number of trials
     most_inner : largest number of conjugate gradients for a step
@@ -147,6 +148,9 @@ CONVERGED = "no step promises to bring it nearer"
 LOOKS = 8
 """Trials that are relaxed anew at the end, the last first, until one comes to rest where it was followed."""
 
+_Taken: TypeAlias = tuple[Scalars, float]
+"""Unknowns of a trial that was taken, and its target."""
+
 
 class _Target(NamedTuple):
     """What is lowered, at a shape at rest."""
@@ -162,16 +166,16 @@ class _Inverse:
     """What all trials share."""
 
     def __init__(
-        self, start: Rods, design: Rods, surface: TriMesh, springs: Springs, still: Flags, numbers: Fitting
+        self, start: Rods, surface: TriMesh, springs: Springs, still: Flags, numbers: Fitting, kind: WeaveType
     ) -> None:
         self.numbers, self.springs, self.still = numbers, springs, still
         self.held = np.concatenate([np.repeat(still, 3), still[start.layout.ends].all(axis=1)])
         self.terms = relaxing_terms(start, springs)
         self.pattern = hessian.analysed(start.size, self.terms, self.held)
-        self.goal = DistanceAtRest(surface, design, placed=bool(still.any()))
+        self.goal = DistanceAtRest(surface, start, placed=bool(still.any()))
         self.knots = Knots.of(start)
         wanted = numbers.hold > 0 and len(start.contacts) > 0
-        self.holding = HoldingAtRest(start, springs, numbers.hold) if wanted else None
+        self.holding = HoldingAtRest(start, springs, numbers.hold, kind) if wanted else None
         self.most = np.full(self.knots.number, numbers.sharpest)
         self.most[self.knots.curved :] = numbers.longest / STRAIN
         self.stepping = Stepping(tolerance=EXACT, most_steps=30)
@@ -277,13 +281,6 @@ class _Linear:
         return p, lowered
 
 
-class _Taken(NamedTuple):
-    """A trial that was taken."""
-
-    z: Scalars
-    value: float
-
-
 def optimal_strips(
     start: Rods,
     surface: TriMesh,
@@ -291,6 +288,7 @@ def optimal_strips(
     springs: Springs | None = None,
     numbers: Fitting | None = None,
     fixed: Flags | None = None,
+    pattern: WeaveType = "plain",
     callback: Callable[[CurvedStep], None] | None = None,
 ) -> CurvedStrips:
     """Choose curvatures and lengths of strips so that they come to rest on a surface.
@@ -308,6 +306,7 @@ def optimal_strips(
     springs : stiffnesses of the contacts
     numbers : of the iteration
     fixed : (V,) vertices that do not move
+    pattern : the weave that is meant: how hard its ribbons press by interlacing (`interlacing_force`)
     callback : called with every trial
 
     Returns
@@ -325,7 +324,7 @@ def optimal_strips(
     """
     numbers = numbers or Fitting()
     still = np.zeros(start.layout.vertices, dtype=bool) if fixed is None else fixed
-    problem = _Inverse(start, start, surface, springs or Springs(), still, numbers)
+    problem = _Inverse(start, surface, springs or Springs(), still, numbers, pattern)
     path, steps, ending = _descent(problem, callback)
     z, rest, same = _reached(problem, path)
     if ending == CONVERGED and not same:
@@ -343,7 +342,7 @@ def _descent(
     now = problem.nearby(problem.anew(z).rods, z)
     linear = _Linear(problem, now.rods, z)
     steps = [problem.told(0, linear.miss, now, z, True)]
-    path = [_Taken(z, linear.value)]
+    path = [(z, linear.value)]
     unit = np.sqrt(max(problem.knots.number, 1))
     radius = TRUST * unit
     while len(steps) <= numbers.most_steps:
@@ -369,7 +368,7 @@ def _descent(
             radius *= GROW
         if taken and trial is not None:
             linear = _Linear(problem, trial[0].rods, new)
-            path.append(_Taken(new, linear.value))
+            path.append((new, linear.value))
     return path, steps, f"after {numbers.most_steps} trials the distance still falls"
 
 

@@ -5,9 +5,12 @@ import pytest
 
 from geoweave.errors import RodError
 from geoweave.models import shapes
+from geoweave.rods import curved_weave
 from geoweave.rods.curved_weave import STRIPS, curved
+from geoweave.rods.holding_at_rest import HoldingAtRest
 from geoweave.rods.slid_weave import elastic_rods, slide
-from geoweave.rods.strip_fitting import Fitting
+from geoweave.rods.slide_and_relax import Springs
+from geoweave.rods.strip_fitting import Fitting, optimal_strips
 from geoweave.rods.weave_at_rest import relax
 from geoweave.weave.design import weave_pattern
 
@@ -52,6 +55,21 @@ def test_the_report_says_how_strips_are_cut():
 def test_an_unknown_kind_is_refused():
     with pytest.raises(RodError, match="straight, designed, optimal"):
         curved(slid(), "bent")
+
+
+def test_holding_strips_press_as_their_weave_type_makes_them(monkeypatch):
+    """Of two weaves that differ in over and under alone, each is judged by its own type."""
+    asked = []
+
+    def found(start, surface, *, numbers, pattern, **others):
+        asked.append(HoldingAtRest(start, Springs(), numbers.hold, pattern).unit)
+        return optimal_strips(start, surface, numbers=Fitting(most_steps=1), pattern=pattern, **others)
+
+    monkeypatch.setattr(curved_weave, "optimal_strips", found)
+    for pattern in ("plain", "twill"):
+        woven = weave_pattern(shapes.cone(faces=400), ribbons=9, pattern=pattern, symmetry=4)
+        curved(slide(elastic_rods(woven), rounds=1), "holding")
+    assert asked[0] == pytest.approx(8 * asked[1], rel=0.2)
 
 
 def test_holding_strips_need_less_friction_and_still_lie_near():

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from rodded import crumpled, grid, three_great_circles
+from scipy.interpolate import CubicSpline
 
 from geoweave.models.shapes import sphere
 from geoweave.rods.crossing_forces import contact_forces
@@ -14,6 +15,21 @@ def test_a_strip_that_alternates_presses_with_the_force_of_a_clamped_beam():
     rods = grid(3)
     stiffness = float(rods.material.bending(rods.widths[0]))
     assert interlacing_force(rods) == pytest.approx(24 * stiffness * 0.01)  # one unit apart
+
+
+@pytest.mark.parametrize(
+    ("pattern", "sides"), [("plain", [1, -1]), ("kagome", [1, -1]), ("twill", [1, 1, -1, -1]),
+                           ("basket", [1, 1, -1, -1])]
+)  # fmt: skip
+def test_what_a_weave_asks_is_the_force_of_a_beam_over_such_supports(pattern, sides):
+    """The third derivative of a cubic spline through the crossings jumps by the force on each of them."""
+    rods = grid(3)
+    apart, stiffness = 1.0, float(rods.material.bending(rods.widths[0]))
+    heights = 0.5 * 0.01 * np.resize([*sides, *sides, sides[0]], 2 * len(sides) + 1)
+    beam = CubicSpline(apart * np.arange(len(heights)), heights, bc_type="periodic")
+    third = 6.0 * stiffness * beam.c[0]
+    pressed = np.abs(third - np.roll(third, 1))
+    np.testing.assert_allclose(interlacing_force(rods, pattern), pressed, rtol=1e-9)
 
 
 def test_residuals_are_the_forces_that_friction_must_bear():
