@@ -52,7 +52,7 @@ def test_strips_stay_within_their_bounds():
 def test_the_gradient_is_that_of_finite_differences():
     start = designed()
     still = np.zeros(start.layout.vertices, dtype=bool)
-    problem = _Inverse(start, start, torus().mesh, Springs(), still, Fitting(smooth=1e-3))
+    problem = _Inverse(start, torus().mesh, Springs(), still, Fitting(smooth=1e-3), "plain")
     problem.stepping = Stepping(tolerance=1e-12, most_steps=100)
     z = problem.knots.start()
     linear = _Linear(problem, problem.nearby(problem.anew(z).rods, z).rods, z)
