@@ -8,7 +8,7 @@ faces and the corners of each face are numbered anew; it is mirrored in a plane.
 with its vertices moved by a millionth of its size, as a file of seven digits would. That last row is shown
 and not held to the limit: another rounding is another surface. The table says by how much the number of
 ribbons and crossings, the total curl and the mean curvature of ribbons change, and is written to
-build/bench/invariance.md.
+build/bench/invariance.md. A run over all scans keeps the numbers in invariance.csv beside this file.
 
 A second table says, of scans that have a mirror plane, how much of the weave lies on its own mirror image: as
 it comes, with a RoSy that is its own image, and on one half of the scan and the image of that half, which is
@@ -18,6 +18,7 @@ what ``weave --symmetric`` does.
 from __future__ import annotations
 
 import argparse
+import csv
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -34,6 +35,9 @@ from geoweave.weave import Steering, Weave, inspected
 from geoweave.weave.design import weave_field
 
 TABLE = Path("build/bench/invariance.md")
+
+KEPT = Path(__file__).with_name("invariance.csv")
+"""The first table of a run over all scans."""
 
 SCANS = ("bunny", "spot", "camel", "armadillo")
 
@@ -113,9 +117,13 @@ def table(names: list[str] | None = None) -> float:
     print("\nThe shape alone decides a weave: changes against the first row of each group.\n")
     print("\n".join(lines), flush=True)
     worst, first = 0.0, np.empty(0)
+    kept: list[list[object]] = [["scan", "variant", *MEASURES]]
     for name in names or SCANS:
         for variant, mesh in variants(datasets.load(name)):
             numbers = measure(mesh)
+            kept.append(
+                [name, variant, *(int(x) for x in numbers[:2]), *(round(float(x), 6) for x in numbers[2:])]
+            )
             if variant in ("as it is", "remeshed"):
                 first = numbers
                 cells = [f"{numbers[0]:,.0f}", f"{numbers[1]:,.0f}", *(f"{x:.3f}" for x in numbers[2:])]
@@ -129,6 +137,9 @@ def table(names: list[str] | None = None) -> float:
     print("\n".join(lines[-2:]))
     TABLE.parent.mkdir(parents=True, exist_ok=True)
     TABLE.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if names is None:
+        with KEPT.open("w", encoding="utf-8", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(kept)
     return worst
 
 

@@ -30,7 +30,7 @@ ROOMS = (
     "artifact",
     "cli",
 )
-WORDS = ("arrays", "compiled", "errors", "documents", "files", "checkout")
+WORDS = ("arrays", "compiled", "errors", "wording", "documents", "files", "checkout")
 """Modules of the package itself, which every room may import; in their own order."""
 
 NEVER = {

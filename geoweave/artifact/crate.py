@@ -15,6 +15,7 @@ from typing import Any
 
 from geoweave.artifact import notebooks
 from geoweave.models import datasets
+from geoweave.wording import counted
 
 FILE = "ro-crate-metadata.json"
 CONTEXT = "https://w3id.org/ro/crate/1.1/context"
@@ -157,7 +158,7 @@ def _surfaces(record: Entity) -> list[Entity]:
         {
             "@id": f"#surface-{facts['sha256'][:16]}",
             "@type": "CreativeWork",
-            "name": f"{name}, {facts['faces']:,} faces, {facts['vertices']:,} vertices",
+            "name": f"{name}, {counted(facts['faces'], 'face')}, {counted(facts['vertices'], 'vertex')}",
             "identifier": f"sha256:{facts['sha256']}",
         }
         for name, facts in record.get("inputs", {}).items()

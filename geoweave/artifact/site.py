@@ -29,6 +29,7 @@ from geoweave.artifact.site_text import code_html, code_style, plain, text_html
 from geoweave.checkout import PACKAGE, repository
 from geoweave.errors import GeoweaveError
 from geoweave.files import OutputError
+from geoweave.wording import counted
 
 __all__ = ["Page", "build", "main", "page_of"]
 
@@ -344,7 +345,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"geoweave: {error}", file=sys.stderr)
         return 2
     size = sum(path.stat().st_size for path in written) / 1e6
-    print(f"{target / 'index.html'}: {len(written)} files, {size:.1f} MB")
+    print(f"{target / 'index.html'}: {counted(len(written), 'file')}, {size:.1f} MB")
     return 0
 
 

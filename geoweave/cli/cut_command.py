@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoweave.cli.options import Positive, as_json, print_json, print_table, seconds_text, status, up_option
+from geoweave.wording import counted
 
 if TYPE_CHECKING:
     from geoweave.pipeline import CutFiles, CutRequest
@@ -116,7 +117,7 @@ def _rows(made: CutFiles) -> list[tuple[str, str]]:
     result = made.document()
     bill, shares = result["bill"], result["used_share"]
     rows = [
-        ("strips", f"{result['strips']:,} in {result['pieces']:,} pieces, of {result['strips_of']}"),
+        ("strips", f"{result['strips']:,} in {counted(result['pieces'], 'piece')}, of {result['strips_of']}"),
         ("size", f"{result['width']:.3g} wide, {result['thickness']:.2g} thick (mm)"),
     ]
     if made.thickness_at_rest is not None:
@@ -134,7 +135,7 @@ def _rows(made: CutFiles) -> list[tuple[str, str]]:
         rows.append(("smallest text", said))
     rows += [
         ("material", f"{bill['metres']:.2f} metres, {bill['grams']:.0f} g"),
-        ("fasten", f"{bill['fasten']:,} crossings, {bill['joins']:,} joins"),
+        ("fasten", f"{counted(bill['fasten'], 'crossing')}, {counted(bill['joins'], 'join')}"),
         ("work", f"about {bill['hours']:.1f} hours; {bill['difficulty']}: {', '.join(bill['reasons'])}"),
         ("seconds", seconds_text(made.seconds)),
         ("written to", ", ".join(result["files"])),

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from geoweave.cli.options import as_json, print_json, print_table, seconds_text, status
+from geoweave.wording import counted
 
 if TYPE_CHECKING:
     from geoweave.pipeline import EditedFiles
@@ -60,8 +61,8 @@ def edit(folder: str, edits: str, output: str | None, mesh: str | None, as_json:
 def _rows(made: EditedFiles) -> list[tuple[str, str]]:
     """What the table for people says."""
     done = [
-        f"{len(made.edits.drop)} ribbons dropped" if made.edits.drop else "",
-        f"{len(made.edits.flip)} crossings flipped" if made.edits.flip else "",
+        f"{counted(len(made.edits.drop), 'ribbon')} dropped" if made.edits.drop else "",
+        f"{counted(len(made.edits.flip), 'crossing')} flipped" if made.edits.flip else "",
         "branch points placed" if made.edits.singularities is not None else "",
         "a direction followed" if made.edits.align is not None else "",
     ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from geoweave.cli.options import as_json, print_json, print_table, seconds_text, status
+from geoweave.wording import counted
 
 
 @click.command()
@@ -30,7 +31,7 @@ def relax(file: str, output: str, as_json: bool) -> None:
             ("rods", f"{result['rods']:,}"),
             ("contacts", f"{result['contacts']:,}"),
             *(("repaired", sentence) for sentence in result.get("repairs", ())),
-            ("at rest", f"{ended}, after {result['steps']} steps: {result['ending']}"),
+            ("at rest", f"{ended}, after {counted(result['steps'], 'step')}: {result['ending']}"),
             ("elastic energy", f"{result['elastic_before']:.4g} -> {result['elastic_after']:.4g}"),
             ("moved", f"{moved['mean']:.2%} of the diagonal in the mean, at most {moved['largest']:.2%}"),
             ("seconds", seconds_text(made.seconds)),

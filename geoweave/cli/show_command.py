@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from geoweave.cli.options import as_json, print_json, print_table, seconds_text, status, up_option
+from geoweave.wording import counted
 
 
 @click.command()
@@ -34,7 +35,10 @@ def show(folder: str, output: str | None, no_open: bool, up: str | None, as_json
         print_table(
             folder,
             [
-                ("weave", f"{made.ribbons:,} ribbons, {made.crossings:,} crossings, {shapes}"),
+                (
+                    "weave",
+                    f"{counted(made.ribbons, 'ribbon')}, {counted(made.crossings, 'crossing')}, {shapes}",
+                ),
                 ("hard places", f"{made.places:,}"),
                 ("seconds", seconds_text(made.seconds)),
                 ("written to", str(made.path)),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from geoweave.wording import counted
+
 
 def prescribed(found: dict[str, Any] | None, symmetry: int) -> list[tuple[str, str]]:
     """Whether the finished field has the prescribed singularities; if not, where it differs first."""
@@ -15,7 +17,10 @@ def prescribed(found: dict[str, Any] | None, symmetry: int) -> list[tuple[str, s
     first, where = places[0], ", ".join(f"{x:.4g}" for x in places[0]["point"])
     other = f"index {first['found']}/{symmetry} in place of {first['index']}/{symmetry}"
     return [
-        ("  prescribed", f"the finished field differs at {len(places)} points, first at ({where}): {other}")
+        (
+            "  prescribed",
+            f"the finished field differs at {counted(len(places), 'point')}, first at ({where}): {other}",
+        )
     ]
 
 

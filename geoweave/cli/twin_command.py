@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from geoweave.cli.options import as_json, print_json, print_table, seconds_text, status
+from geoweave.wording import counted
 
 if TYPE_CHECKING:
     from geoweave.pipeline import TwinOfFile
@@ -65,11 +66,7 @@ def sentence(made: TwinOfFile) -> str:
 
 
 def _openings(number: int | None) -> str:
-    return "openings that are not said" if number is None else _count(number, "opening")
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number or 'no'} {what}s"
+    return "openings that are not said" if number is None else counted(number, "opening")
 
 
 def _rows(made: TwinOfFile) -> list[tuple[str, str]]:
@@ -86,9 +83,16 @@ def _rows(made: TwinOfFile) -> list[tuple[str, str]]:
         ("crossings", f"{result['crossings']:,}"),
         ("faces", f"{net['faces']:,}; {closed}"),
         *(("  doubtful", text) for text in doubts[:DOUBTS]),
-        *([("  ", f"and {len(doubts) - DOUBTS} more such places")] if len(doubts) > DOUBTS else []),
+        *(
+            [("  ", f"and {counted(len(doubts) - DOUBTS, 'more such place')}")]
+            if len(doubts) > DOUBTS
+            else []
+        ),
         ("outside", "known" if result["side_known"] else "none: the mirror image is as possible"),
-        ("at rest", f"{'yes' if made.twin.rest.converged else 'nearly'}, after {result['steps']} steps"),
+        (
+            "at rest",
+            f"{'yes' if made.twin.rest.converged else 'nearly'}, after {counted(result['steps'], 'step')}",
+        ),
         ("stretched", f"{strain['largest']:+.2%} at most, {strain['ribbon']}"),
         # A drawing does not say how far a ribbon is from its straight strip.
         *(

@@ -24,6 +24,7 @@ from geoweave.cli.options import (
     weave_surface_options,
 )
 from geoweave.cli.steering_rows import aligned, mirrored, prescribed
+from geoweave.wording import counted
 
 if TYPE_CHECKING:
     from geoweave.pipeline import MeshSource, WeaveRequest, WovenFiles
@@ -241,7 +242,7 @@ def _rows(made: WovenFiles) -> list[tuple[str, str]]:
     ]
     rows += _rest(result["relax"], unit)
     if result["slipped"]:
-        near = f"near {_places(result['slipped'])} ribbons slid past each other"
+        near = f"near {counted(result['slipped'], 'crossing')} ribbons slid past each other"
         rows.append(
             ("  strips", f"as designed, not as at rest: {near}, and the strips would not go together")
         )
@@ -272,7 +273,9 @@ def _regularity(found: Regularity, symmetry: int) -> list[tuple[str, str]]:
         ("evenness", f"spacing varies by {math.expm1(found.spacing_spread):.0%} (one standard deviation)"),
     ]
     if found.few_crossings:
-        rows.append(("short", f"{found.few_crossings} ribbons have fewer than four crossings"))
+        rows.append(
+            ("short", f"{counted(found.few_crossings, 'ribbon', 'has have')} fewer than four crossings")
+        )
     if found.parts > 1:
         rows.append(("parts", f"the ribbons make {found.parts} parts that do not hang together"))
     return rows
@@ -320,10 +323,6 @@ def _sizes(result: dict[str, Any], report: Inspection, unit: str) -> list[tuple[
         ("size", f"{size}{' (mm)' if unit else ''}"),
         ("width", shares),
     ]
-
-
-def _places(number: int) -> str:
-    return "one crossing" if number == 1 else f"{number} crossings"
 
 
 def _alternation(pattern: dict[str, Any]) -> tuple[str, str]:
@@ -384,16 +383,17 @@ def _holding(forces: dict[str, Any]) -> list[tuple[str, str]]:
 def _worst(kind: str, report: Inspection) -> str:
     """How many places there are of a kind, and where the worst of them is."""
     worst = next(place for place in report.places if place.kind == kind)
-    what = {
-        "near_parallel": f"crossings below {report.limits.angle:g} degrees",
-        "alongside": "stretches where ribbons lie on each other side by side",
-        "lap": "pairs of ends that lie on each other, one going on where the other stops",
-        "crowded": "places where crossings overlap",
-        "knot": f"knots of ribbons shorter than {report.limits.short:g} spacings",
-        "gap": f"holes with more than {report.limits.gap:g} spacings to any ribbon",
-        "loose_end": "loose ends",
-        "bare_component": "pieces of the surface without a ribbon",
+    what, where_or_how = {
+        "near_parallel": ("crossing", f" below {report.limits.angle:g} degrees"),
+        "alongside": ("stretch", " where ribbons lie on each other side by side"),
+        "lap": ("pair", " of ends that lie on each other, one going on where the other stops"),
+        "crowded": ("place", " where crossings overlap"),
+        "knot": ("knot", f" of ribbons shorter than {report.limits.short:g} spacings"),
+        "gap": ("hole", f" with more than {report.limits.gap:g} spacings to any ribbon"),
+        "loose_end": ("loose end", ""),
+        "bare_component": ("piece", " of the surface without a ribbon"),
     }[kind]
     where = ", ".join(f"{x:.4g}" for x in worst.point)
     names = f", {' '.join(worst.ribbons)}" if worst.ribbons else ""
-    return f"{report.counts[kind]:,} {what}; the worst, {worst.value:.3g}, at ({where}){names}"
+    said = f"{counted(report.counts[kind], what)}{where_or_how}"
+    return f"{said}; the worst, {worst.value:.3g}, at ({where}){names}"

@@ -11,6 +11,7 @@ from geoweave.errors import FieldError
 from geoweave.fields import FaceField, dual_weights, spectral_shift, unit
 from geoweave.sparse import factorized, nested_dissection, one_blas_thread, smallest_eigenpair
 from geoweave.surface import TriMesh, part_of
+from geoweave.wording import counted
 
 
 def conformal_energy(mesh: TriMesh, balance: float) -> sparse.csr_array:
@@ -77,7 +78,8 @@ def anti_holomorphic_field(mesh: TriMesh, seed: int | np.random.Generator = 0) -
     if len(mesh.boundary_edges):
         raise FieldError(
             "the anti-holomorphic energy needs a closed surface, and this one has "
-            f"{len(mesh.boundary_loops)} boundary loops: there infinitely many fields have no energy at all"
+            f"{counted(len(mesh.boundary_loops), 'boundary loop')}: there infinitely many fields have no "
+            "energy at all"
         )
     rng = np.random.default_rng(seed)
     start: Complexes = rng.normal(size=mesh.n_faces) + 1j * rng.normal(size=mesh.n_faces)

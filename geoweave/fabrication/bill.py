@@ -8,6 +8,7 @@ from typing import Any
 from geoweave.fabrication.measured_strips import measured
 from geoweave.fabrication.pattern import Pattern
 from geoweave.fabrication.pieces import Making, Piece
+from geoweave.wording import counted
 
 __all__ = ["Bill", "bill_of"]
 
@@ -104,7 +105,7 @@ def _difficulty(pattern: Pattern) -> tuple[str, list[str]]:
     crossings, cut = len(pattern.at), measured(pattern)
     words = [word for _, word in STEPS] + ["very hard"]
     level = next((k for k, (most, _) in enumerate(STEPS) if crossings <= most), len(STEPS))
-    reasons = [f"{crossings:,} crossings on {len(pattern.strips):,} strips"]
+    reasons = [f"{counted(crossings, 'crossing')} on {counted(len(pattern.strips), 'strip')}"]
     neighbours = len(cut.as_cut.neighbours.widths)
     crowded = float((cut.as_cut.neighbours.widths < pattern.width).sum()) / max(neighbours, 1)
     harder = []

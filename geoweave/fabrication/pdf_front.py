@@ -15,6 +15,7 @@ from geoweave.fabrication.pdf_marks import pdf_colour
 from geoweave.fabrication.pieces import Making, Piece
 from geoweave.fabrication.sheet_sizes import Paper
 from geoweave.fabrication.strip_figures import Drawn
+from geoweave.wording import counted
 
 if TYPE_CHECKING:
     from reportlab.pdfgen.canvas import Canvas
@@ -169,8 +170,9 @@ def _grid(paper: Paper) -> tuple[int, int]:
 
 def _said(bill: Bill) -> list[Line]:
     return _wrapped(
-        f"{bill.strips} strips in {bill.pieces} pieces, {bill.crossings} crossings, {bill.metres:.1f} m, "
-        f"{bill.grams:.0f} g. Fasten {bill.fasten} crossings and {bill.joins} joins. "
+        f"{counted(bill.strips, 'strip')} in {counted(bill.pieces, 'piece')}, "
+        f"{counted(bill.crossings, 'crossing')}, {bill.metres:.1f} m, "
+        f"{bill.grams:.0f} g. Fasten {counted(bill.fasten, 'crossing')} and {counted(bill.joins, 'join')}. "
         f"About {bill.hours:.0f} hours ({bill.difficulty})."
     )
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from geoweave.arrays import Complexes, Flags, Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
 from geoweave.surface import TriMesh
+from geoweave.wording import counted
 
 STEEP = 1e-9
 """A vector has no direction in a plane that holds less than this share of its length."""
@@ -211,7 +212,9 @@ class Handles:
         index = np.array(list(faces), dtype=np.int64)
         ambient = np.asarray(vectors, dtype=np.float64).reshape(-1, 3)
         if len(ambient) != len(index):
-            raise FieldError(f"{len(index)} handle faces but {len(ambient)} handle vectors")
+            raise FieldError(
+                f"{counted(len(index), 'handle face')} but {counted(len(ambient), 'handle vector')}"
+            )
         outside = (index < 0) | (index >= mesh.n_faces)
         if outside.any():
             raise FieldError(f"handle face {int(index[outside][0])} is not one of 0..{mesh.n_faces - 1}")

@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 
 from geoweave.arrays import Indices, Vectors
-from geoweave.meshing.report import number, place
+from geoweave.meshing.report import place
 from geoweave.meshing.shells import crossing_shells
 from geoweave.surface import TriMesh
+from geoweave.wording import counted
 
 TOUCHING = 1e-5
 """A corner closer to an edge than this share of the model's size lies on that edge."""
@@ -54,7 +55,8 @@ def _open_seams(mesh: TriMesh, size: float) -> list[str]:
         return []
     first = place(mesh.vertices[found[:1]])
     sentence = (
-        f"{number(len(found), 'corner')} of open edges {'lies' if len(found) == 1 else 'lie'} on the side of "
+        f"{counted(len(found), 'corner')} of open edges {'lies' if len(found) == 1 else 'lie'} on the "
+        "side of "
         f"another open edge (T-junctions; first at {first}), where the surface is open; split that edge at "
         "the corner in a mesh editor"
     )
@@ -96,7 +98,7 @@ def _crossings(mesh: TriMesh) -> list[str]:
     if not found:
         return []
     sentence = (
-        f"{number(len(found), 'pair')} of components run through each other (first at "
+        f"{counted(len(found), 'pair')} of components run through each other (first at "
         f"{place(found[0][2][None])}), and so will what is made of them; unite them in a mesh editor"
     )
     return [sentence]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import Indices, Vectors
 from geoweave.errors import MeshError
 from geoweave.meshing.polygons import RawMesh, triangulated
+from geoweave.wording import counted
 
 _POINT = re.compile(rb"^[ \t]*v(?!\S)(.*)$", re.MULTILINE)
 _POLYGON = re.compile(rb"^[ \t]*f(?!\S)(.*)$", re.MULTILINE)
@@ -72,7 +73,8 @@ def read_obj(data: bytes) -> RawMesh:
     unused = len(vertices) - len(np.unique(index))
     if not text.endswith(b"\n") and unused > 0.05 * len(vertices):
         raise MeshError(
-            f"it seems cut short: its last line has no end, and {unused} of {len(vertices)} vertices "
+            f"it seems cut short: its last line has no end, and {unused:,} of "
+            f"{counted(len(vertices), 'vertex')} "
             "belong to no face; get the whole file, or end the last line if it is meant so"
         )
     return RawMesh(vertices, triangulated(vertices, index, counts))
@@ -94,7 +96,7 @@ def read_off(data: bytes) -> RawMesh:
         raise MeshError("the numbers of vertices and faces are missing after the word OFF")
     n_vertices, n_faces = counts.tolist()
     if n_vertices < 0 or n_faces < 0:
-        raise MeshError(f"it announces {n_vertices} vertices and {n_faces} faces")
+        raise MeshError(f"it announces {counted(n_vertices, 'vertex')} and {counted(n_faces, 'face')}")
     alone = len(rows[0][1]) == 1  # the word stands on a line of its own
     try:
         return _off_by_lines(rows[2 if alone else 1 :], n_vertices, n_faces)
@@ -125,7 +127,8 @@ def _off_by_lines(body: list[tuple[int, list[bytes]]], n_vertices: int, n_faces:
     """Read a line for each vertex and each face; what follows on a line (normals, colours) is left out."""
     if len(body) < n_vertices + n_faces:
         raise MeshError(
-            f"it announces {n_vertices} vertices and {n_faces} faces, but has {len(body)} lines "
+            f"it announces {counted(n_vertices, 'vertex')} and {counted(n_faces, 'face')}, but has "
+            f"{counted(len(body), 'line')} "
             "for them (cut short)"
         )
     points, polygons = body[:n_vertices], body[n_vertices : n_vertices + n_faces]
@@ -135,7 +138,7 @@ def _off_by_lines(body: list[tuple[int, list[bytes]]], n_vertices: int, n_faces:
     if (counts < 3).any() or (present < counts).any():
         row = int(np.flatnonzero((counts < 3) | (present < counts))[0])
         raise MeshError(
-            f"line {polygons[row][0]}: a face announces {counts[row]} vertices and names "
+            f"line {polygons[row][0]}: a face announces {counted(counts[row], 'vertex')} and names "
             f"{present[row]}, and it needs three or more"
         )
     names = [words[1 : 1 + count] for (_, words), count in zip(polygons, counts.tolist(), strict=True)]
@@ -187,13 +190,15 @@ def read_stl(data: bytes) -> RawMesh:
         raise MeshError("it is shorter than the header of an STL file")
     held, left = divmod(len(data) - head, size)
     if left == 0 and (held > announced or announced > _STL_MOST) and held:
-        note = f"its header announces {announced:,} triangles; all {held:,} that it holds were read"
+        note = f"its header announces {counted(announced, 'triangle')}; all {held:,} that it holds were read"
         return _stl_triangles(data, held, note)
     if 0 < announced <= held:
-        note = f"{len(data) - expected:,} bytes after its {announced:,} triangles were left out"
+        left_out = counted(len(data) - expected, "byte", "was were")
+        note = f"{left_out} left out after its {counted(announced, 'triangle')}"
         return _stl_triangles(data, announced, note)
     raise MeshError(
-        f"its header announces {announced} triangles ({expected} bytes), but the file has {len(data)} bytes"
+        f"its header announces {counted(announced, 'triangle')} ({counted(expected, 'byte')}), but the "
+        f"file has {counted(len(data), 'byte')}"
     )
 
 
@@ -211,7 +216,9 @@ def _read_stl_text(text: bytes) -> RawMesh:
     rows = [words.split() for words in re.findall(rb"\bvertex\b([^\n]*)", body)]
     facets = len(re.findall(rb"\bfacet\s+normal\b", body))
     if len(rows) != 3 * facets:
-        raise MeshError(f"it has {facets} facets, but {len(rows)} vertices instead of {3 * facets}")
+        raise MeshError(
+            f"it has {counted(facets, 'facet')}, but {counted(len(rows), 'vertex')} instead of {3 * facets}"
+        )
     places = [match.start() for match in re.finditer(rb"\bvertex\b", body)]
     return _separate(_coordinates(rows, lambda row: _line(text, places[row])).reshape(-1, 3, 3))
 

@@ -18,8 +18,9 @@ from geoweave.errors import MeshError
 from geoweave.meshing import repairs
 from geoweave.meshing.faults import faults
 from geoweave.meshing.read import read_arrays, shown
-from geoweave.meshing.report import RepairReport, number, place
+from geoweave.meshing.report import RepairReport, place
 from geoweave.surface import TriMesh
+from geoweave.wording import counted
 
 Components = Literal["keep", "largest"]
 
@@ -191,7 +192,7 @@ def _check_edges(points: Vectors, edges: repairs.Edges, origin: Indices, name: s
     if len(shared):
         a, b = shared[0]
         raise MeshError(
-            f"{name}: {number(len(shared), 'edge')} {'is' if len(shared) == 1 else 'are'} shared by more "
+            f"{name}: {counted(len(shared), 'edge')} {'is' if len(shared) == 1 else 'are'} shared by more "
             f"than two faces (first: vertices {origin[a]}, {origin[b]} at {place(points[[a, b]])}); "
             "split them in a mesh editor, or cut the surface apart there with --repair"
         )
@@ -259,7 +260,7 @@ def _checked(points: np.ndarray, triangles: np.ndarray, name: str) -> tuple[Vect
     if points.ndim != 2 or points.shape[1] != 3 or points.dtype.kind not in "iuf":
         raise MeshError(f"{name}: vertices must be numbers of shape (V, 3), not {points.shape}")
     if not triangles.size:
-        cloud = f"{len(points):,} points and no faces (a point cloud)"
+        cloud = f"{counted(len(points), 'point')} and no faces (a point cloud)"
         raise MeshError(
             f"{name}: holds {cloud if len(points) else 'no faces'}; build a surface from it first"
         )
@@ -270,7 +271,7 @@ def _checked(points: np.ndarray, triangles: np.ndarray, name: str) -> tuple[Vect
         face = int(np.flatnonzero(outside.any(axis=1))[0])
         vertex = triangles[face][outside[face]][0]
         raise MeshError(
-            f"{name}: face {face} names vertex {vertex}, but there are only {len(points)} vertices "
+            f"{name}: face {face} names vertex {vertex}, but it has only {counted(len(points), 'vertex')} "
             f"(0..{len(points) - 1}); export the mesh again"
         )
     return points.astype(np.float64), triangles.astype(np.int64)

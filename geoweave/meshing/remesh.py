@@ -15,6 +15,7 @@ from geoweave.errors import MeshError
 from geoweave.meshing.edge_edits import collapse_edges, flip_edges, relax_vertices, split_edges
 from geoweave.meshing.halfedge_patch import FREE, LOCKED, ON_CURVE, Guide, Patch
 from geoweave.surface import BoxTree, TriMesh, segment_tree, triangle_tree
+from geoweave.wording import counted
 
 LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0
 """Edges are split above and collapsed below these multiples of the wanted length (Botsch and Kobbelt)."""
@@ -114,10 +115,11 @@ def check_face_count(faces: int) -> None:
     geoweave.errors.MeshError: cannot remesh to 1,000,000,000 faces: ... ask for at most 5,000,000
     """
     if faces < 4:
-        raise MeshError(f"cannot remesh to {faces} faces: ask for at least 4")
+        raise MeshError(f"cannot remesh to {counted(faces, 'face')}: ask for at least 4")
     if faces > MOST_FACES:
         raise MeshError(
-            f"cannot remesh to {faces:,} faces: they would take {BYTES_PER_FACE * faces / 1e9:,.0f} GB of "
+            f"cannot remesh to {counted(faces, 'face')}: they would take "
+            f"{BYTES_PER_FACE * faces / 1e9:,.0f} GB of "
             f"memory; ask for at most {MOST_FACES:,}"
         )
 
@@ -128,12 +130,14 @@ def _checked(mesh: TriMesh, result: TriMesh, faces: int) -> TriMesh:
 
     if topology(result) != topology(mesh):
         raise MeshError(
-            f"remeshing to {faces} faces changed components, genus and boundary loops from {topology(mesh)} "
+            f"remeshing to {counted(faces, 'face')} changed components, genus and boundary loops from "
+            f"{topology(mesh)} "
             f"to {topology(result)}; ask for more faces"
         )
     if abs(result.n_faces - faces) > max(TOLERANCE * faces, 2):
         raise MeshError(
-            f"cannot remesh to {faces} faces: keeping the surface's topology and thin parts ends at "
+            f"cannot remesh to {counted(faces, 'face')}: keeping the surface's topology and thin parts "
+            "ends at "
             f"{result.n_faces}; ask for at least that many"
         )
     return result

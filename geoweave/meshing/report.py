@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 from geoweave.arrays import Vectors
+from geoweave.wording import counted
 
 _SENTENCES = {
     "unreferenced_vertices": "dropped {} that no face uses",
@@ -61,15 +62,10 @@ class RepairReport:
     def sentences(self) -> list[str]:
         """Say in words what was done, one entry per kind of repair that was needed, and then the notes."""
         done = ((key, n) for key, n in self.as_dict().items() if n)
-        said = [_SENTENCES[key].format(number(n, _PLURALS[key.split("_")[1]])) for key, n in done]
+        said = [_SENTENCES[key].format(counted(n, _PLURALS[key.split("_")[1]])) for key, n in done]
         return [*said, *self.notes]
 
 
 def place(points: Vectors) -> str:
     """The mean of (N, 3) points, as it is written in a message."""
     return "(" + ", ".join(f"{x:.6g}" for x in points.mean(axis=0)) + ")"
-
-
-def number(n: int, noun: str) -> str:
-    """A number and its noun, in the plural where that is due."""
-    return f"{n:,} {noun}" if n == 1 else f"{n:,} {'vertice' if noun == 'vertex' else noun}s"

@@ -13,6 +13,7 @@ from geoweave.errors import MeshError
 from geoweave.models.icosahedral import cut_icosahedron
 from geoweave.models.implicit import bumpy_box, crown, genus_g, rocker_arm, schwarz_p, vessel
 from geoweave.surface import TriMesh
+from geoweave.wording import counted
 
 __all__ = [
     "annulus",
@@ -320,7 +321,7 @@ def square(faces: int = 4_000) -> TriMesh:
 def _at_least(faces: int, least: int) -> None:
     """Refuse a number of faces that a surface cannot be made of."""
     if faces < least:
-        raise MeshError(f"this surface cannot have {faces} faces: ask for at least {least}")
+        raise MeshError(f"this surface cannot have {counted(faces, 'face')}: ask for at least {least}")
 
 
 def _grid(around: float, across: float, faces: int) -> tuple[int, int]:

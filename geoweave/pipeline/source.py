@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from geoweave.errors import FieldError, MeshError
+from geoweave.wording import counted
 
 if TYPE_CHECKING:
     from geoweave.meshing import Components, Prepared
@@ -77,7 +78,7 @@ def prepared_surface(source: MeshSource, seconds: dict[str, float], say: Say) ->
     if isinstance(source.faces, int):
         from geoweave.meshing import remeshed
 
-        say(f"remeshing {source.name} to {source.faces:,} triangles")
+        say(f"remeshing {source.name} to {counted(source.faces, 'triangle')}")
         with timed(seconds, "remesh"):
             prepared = remeshed(prepared, source.faces, name=source.name)
     return prepared

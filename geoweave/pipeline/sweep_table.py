@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from geoweave.files import printable
+from geoweave.wording import counted
 
 __all__ = ["COLUMNS", "TABLES", "Row", "table_texts"]
 
@@ -43,9 +44,10 @@ class Row:
             return f"failed: {self.problem}"
         done = self.result
         if self.state == "kept":
-            return f"{done['ribbons']} ribbons, kept: mesh, options and version are the same"
+            return f"{counted(done['ribbons'], 'ribbon')}, kept: mesh, options and version are the same"
         return (
-            f"{done['ribbons']} ribbons, {done['crossings']} crossings, in {done['seconds']['total']:.0f} s"
+            f"{counted(done['ribbons'], 'ribbon')}, {counted(done['crossings'], 'crossing')}, in "
+            f"{done['seconds']['total']:.0f} s"
         )
 
 

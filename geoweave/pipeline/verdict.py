@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from geoweave.wording import counted
+
 if TYPE_CHECKING:
     from geoweave.pipeline.strips import CutStrips
     from geoweave.rods import Relaxed
@@ -120,7 +122,8 @@ def _hanging(surface: PatternSurface, crossing: int) -> str:
         if crossing in part.crossings:
             one, other = (surface.pattern.strips[r].label for r in surface.pattern.ribbons[part.at])
             return (
-                f"; it is one of {len(part.crossings)} crossings that hang on the rest at one place, where "
+                f"; it is one of {counted(len(part.crossings), 'crossing')} that hang on the rest at one "
+                "place, where "
                 f"{one} crosses {other}"
             )
     return ""
@@ -135,12 +138,12 @@ def surface_reasons(surface: PatternSurface, genus: int | None, openings: int | 
     genus, openings : of the surface that the weave was designed on; None if they are not known
     """
     return tuple(
-        f"put together, the strips make a surface with {is_there} {what}, not {wanted}"
-        for what, wanted, is_there in (
-            ("holes through it", genus, surface.genus),
-            ("openings", openings, surface.openings),
+        f"put together, the strips make a surface with {counted(is_there, what)}{where}, not {wanted}"
+        for what, where, wanted, is_there in (
+            ("hole", " through it", genus, surface.genus),
+            ("opening", "", openings, surface.openings),
         )
-        if wanted is not None and is_there not in (None, wanted)
+        if wanted is not None and is_there is not None and is_there != wanted
     )
 
 
@@ -167,7 +170,7 @@ def verdict_of(
     if relaxed is not None:
         reasons += _at_rest(relaxed.metrics())
     if strips.slipped:
-        near = f"ribbons slid past each other {strips.slipped} times"
+        near = f"ribbons slid past each other {counted(strips.slipped, 'time')}"
         reasons.append(f"{near}, so the strips have the lengths of the design")
     counts = inspection.counts
     there = {kind: counts[kind] for kind in WATCH if counts[kind]}

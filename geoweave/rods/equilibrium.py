@@ -18,6 +18,7 @@ from geoweave.rods.hessian import Pattern
 from geoweave.rods.rods import Rods
 from geoweave.rods.steps import DAMPING, LONG_STEP, NEAR, NEWTON, SHORT_STEP, Problem, Stepping
 from geoweave.sparse import one_blas_thread
+from geoweave.wording import counted
 
 __all__ = ["Equilibrium", "Step", "Stepping", "minimized"]
 
@@ -134,7 +135,7 @@ def minimized(
                 ending = "the forces balance"
                 break
             if len(history) > numbers.most_steps:
-                ending = f"after {numbers.most_steps} steps the forces do not balance yet"
+                ending = f"after {counted(numbers.most_steps, 'step')} the forces do not balance yet"
                 break
             if numbers.least_gain > 0 and gain <= numbers.least_gain:
                 ending = f"a step lowered the energy by at most {numbers.least_gain:g} of it"

@@ -20,6 +20,7 @@ from geoweave.errors import RodError
 from geoweave.rods.rod_file import Rod, RodCrossing, RodFile
 from geoweave.rods.rods import Contacts, Layout, Material, Rods
 from geoweave.weave import Passages, Ribbons, interlacing, merged
+from geoweave.wording import counted
 
 __all__ = ["FINENESS", "ends_on", "file_of_rods", "rods_of_file", "rods_of_polylines", "rods_of_ribbons"]
 
@@ -279,7 +280,7 @@ def _joined(
 ) -> Rods:
     """Join chains into one set of rods; several crossings of two ribbons at one place become one contact."""
     if over.shape != (len(crossings),) or not np.isin(over, (0, 1)).all():
-        raise RodError(f"the sides of {len(crossings)} crossings are that many zeros and ones")
+        raise RodError(f"the sides of {counted(len(crossings), 'crossing')} are that many zeros and ones")
     offsets = np.concatenate([[0], np.cumsum([len(chain.points) for chain in chains])])
     layout = Layout(offsets, np.array([chain.closed for chain in chains]))
     points = np.concatenate([chain.points for chain in chains])

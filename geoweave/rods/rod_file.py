@@ -25,6 +25,7 @@ from geoweave.files import replacing
 from geoweave.rods.rod_repairs import DIRECTOR_TOLERANCE, squared
 from geoweave.rods.rod_words import Words
 from geoweave.weave import Passages
+from geoweave.wording import counted
 
 __all__ = [
     "MAGIC",
@@ -78,7 +79,7 @@ class Rod:
             raise RodError(f"a centreline is (n, 3) vertices, not {points.shape}")
         least = 3 if self.closed else 2
         if len(points) < least:
-            raise RodError(f"it has {len(points)} vertices but needs {least}; leave the rod out")
+            raise RodError(f"it has {counted(len(points), 'vertex')} but needs {least}; leave the rod out")
         count = len(points) if self.closed else len(points) - 1
         angles = np.zeros(count) if self.angles is None else np.array(self.angles, dtype=np.float64)
         colors = np.zeros(count) if self.segment_colors is None else np.array(self.segment_colors)
@@ -91,7 +92,9 @@ class Rod:
             ("segment colours", colors, (count,)),
         ):
             if array.shape != shape:
-                raise RodError(f"its {name} are of shape {array.shape} but it has {count} segments")
+                raise RodError(
+                    f"its {name} are of shape {array.shape} but it has {counted(count, 'segment')}"
+                )
         for name, array in (
             ("vertex", points), ("director", directors), ("angle", angles), ("width", widths)
         ):  # fmt: skip

@@ -9,6 +9,7 @@ import numpy as np
 from geoweave.arrays import Scalars
 from geoweave.documents import LARGEST
 from geoweave.errors import RodError
+from geoweave.wording import counted
 
 __all__ = ["Words"]
 
@@ -35,7 +36,7 @@ class Words:
         left = len(self.words) - self.at
         if count > left:
             raise RodError(
-                f"line {self.line()}: {what} need {count} more numbers but {left} follow; "
+                f"line {self.line()}: {what} need {counted(count, 'more number')} but {left} follow; "
                 f"the file is cut short or a count is wrong, export it again"
             )
         self.at += count

@@ -16,6 +16,7 @@ import numpy as np
 from geoweave.arrays import Flags, Indices, Scalars, Triangles, frozen
 from geoweave.errors import MeshError
 from geoweave.surface.components import connected_components
+from geoweave.wording import counted
 
 
 def corner_after(halfedge: Indices, step: int) -> Indices:
@@ -48,13 +49,13 @@ class Connectivity:
         if (counts > 2).any():
             a, b = self.edges[np.flatnonzero(counts > 2)[0]]
             raise MeshError(
-                f"{int((counts > 2).sum())} edges are shared by more than two faces "
+                f"{counted(int((counts > 2).sum()), 'edge', 'is are')} shared by more than two faces "
                 f"(first: vertices {a}, {b})"
             )
         if clash.any():
             a, b = self.edges[np.flatnonzero(clash)[0]]
             raise MeshError(
-                f"{int(clash.sum())} edges lie between faces of opposite orientation "
+                f"{counted(int(clash.sum()), 'edge', 'lies lie')} between faces of opposite orientation "
                 f"(first: vertices {a}, {b})"
             )
 
@@ -64,7 +65,8 @@ class Connectivity:
         if (fans > 1).any():
             first = int(np.flatnonzero(fans > 1)[0])
             raise MeshError(
-                f"{int((fans > 1).sum())} vertices join separate fans of faces (first: vertex {first})"
+                f"{counted(int((fans > 1).sum()), 'vertex', 'joins join')} separate fans of faces (first: "
+                f"vertex {first})"
             )
 
     def _fan_counts(self) -> Indices:

@@ -16,6 +16,7 @@ from geoweave.arrays import Complexes, Indices, Scalars, Triangles, Vectors, fro
 from geoweave.errors import MeshError
 from geoweave.surface.connectivity import Connectivity
 from geoweave.surface.sign_bundle import SignBundle
+from geoweave.wording import counted
 
 SMALLEST_ASPECT = 1e-12
 """A face is degenerate when its area is at most this share of its longest edge squared."""
@@ -101,7 +102,7 @@ class TriMesh(Connectivity):
         flat = self.face_areas <= SMALLEST_ASPECT * self.edge_lengths[self.face_edges].max(axis=1) ** 2
         if flat.any():
             first = int(np.flatnonzero(flat)[0])
-            raise MeshError(f"{int(flat.sum())} faces have no area (first: face {first})")
+            raise MeshError(f"{counted(int(flat.sum()), 'face', 'has have')} no area (first: face {first})")
         self._check_fans()
 
     @property

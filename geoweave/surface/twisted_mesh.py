@@ -11,6 +11,7 @@ from geoweave.arrays import Indices, Scalars, Triangles, Vectors, frozen
 from geoweave.errors import MeshError
 from geoweave.surface.mesh import TriMesh
 from geoweave.surface.sign_bundle import SignBundle
+from geoweave.wording import counted
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,8 @@ class TwistedMesh(TriMesh):
         if torn.any():
             a, b = self.edges[self.interior_edges[np.flatnonzero(torn)[0]]]
             raise MeshError(
-                f"{int(torn.sum())} edges have signs that disagree at their ends (first: vertices {a}, {b})"
+                f"{counted(int(torn.sum()), 'edge', 'has have')} signs that disagree at their ends "
+                f"(first: vertices {a}, {b})"
             )
 
     @cached_property

@@ -15,6 +15,7 @@ from geoweave.arrays import Flags
 from geoweave.errors import FieldError
 from geoweave.fabrication import Pattern
 from geoweave.twin.pattern_surface import PatternSurface, next_present, rings, surface_of
+from geoweave.wording import counted
 
 __all__ = ["Contradiction", "check_sound", "contradiction_sentence", "contradictions_of"]
 
@@ -94,7 +95,7 @@ def check_sound(surface: PatternSurface, *, anyway: bool = False) -> None:
         )
     plain = [] if anyway else [each for each in contradictions_of(surface) if each.plain]
     if plain:
-        more = f", and {len(plain) - 1} more such places" if len(plain) > 1 else ""
+        more = f", and {counted(len(plain) - 1, 'more such place')}" if len(plain) > 1 else ""
         raise FieldError(
             f"the pattern contradicts itself: {contradiction_sentence(pattern, plain[0])}{more}; "
             "correct the place, or export the weave as it was designed (--no-relax), before its ribbons slid "

@@ -20,6 +20,7 @@ from geoweave.arrays import Indices, Scalars, Vectors, frozen
 from geoweave.errors import FieldError
 from geoweave.sparse import factorization
 from geoweave.twin.pattern_surface import PatternSurface
+from geoweave.wording import counted
 
 __all__ = [
     "SMOOTHING",
@@ -178,7 +179,7 @@ def scaled(net: Net, count: int) -> tuple[Vectors, Scalars]:
     from scipy.sparse.linalg import eigsh
 
     if count < 6:
-        raise FieldError(f"the strips cross at {count} places only, which does not make a surface")
+        raise FieldError(f"the strips cross at {counted(count, 'place')} only, which does not make a surface")
     low, high = np.sort(net.ends, axis=1).T
     order = np.lexsort((net.lengths, high, low))
     first = np.diff(low[order] * count + high[order], prepend=-1) != 0

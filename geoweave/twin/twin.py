@@ -44,6 +44,7 @@ from geoweave.twin.laid_strips import Cut, LaidStrips, laid
 from geoweave.twin.pattern_surface import PatternSurface, surface_of
 from geoweave.twin.placement import has_outside, net_of, outward, placed
 from geoweave.weave import WEAVE_FORMAT, WEAVE_VERSION
+from geoweave.wording import counted
 
 __all__ = ["COMES_BACK", "STEPPING", "Likeness", "Twin", "assembled"]
 
@@ -297,8 +298,8 @@ class Twin:
             raise FieldError(f"{name}: an entry of the weave is missing or wrong ({error!r})") from error
         if labels != [strip.label for strip in pattern.strips]:
             raise FieldError(
-                f"{name}: has {len(labels)} ribbons where the pattern has {len(pattern.strips)}, or other "
-                "names; give the weave that the pattern was exported from"
+                f"{name}: has {counted(len(labels), 'ribbon')} where the pattern has {len(pattern.strips)}, "
+                "or other names; give the weave that the pattern was exported from"
             )
         return lines, _matched(pattern, pairs, at, places)
 
@@ -385,8 +386,7 @@ def _matched(pattern: Pattern, pairs: Indices, at: Scalars, places: Vectors) -> 
         of_pair.setdefault((one, other), []).append(x)
     found = np.full((len(pattern.ribbons), 3), np.nan)
     for x, (one, other) in enumerate(pattern.ribbons.tolist()):
-        among = of_pair.get((one, other), [])
-        if among:
+        if among := of_pair.get((one, other)):
             far = np.abs(at[among] - pattern.at[x]).sum(axis=1)
             found[x] = places[among[int(np.argmin(far))]]
     return found

@@ -31,6 +31,7 @@ from geoweave.fabrication import (
 )
 from geoweave.viz import style
 from geoweave.viz.shot import Pixels
+from geoweave.wording import counted
 
 POINT = 25.4 / 72
 """Millimetres of a point, the unit of a PDF."""
@@ -129,7 +130,9 @@ def _opened(what: Page) -> Iterator[Any]:
         raise RenderError(f"{path.name}: cannot be read as a PDF ({error})") from error
     try:
         if not 1 <= what.number <= len(document):
-            raise RenderError(f"{path.name}: has {len(document)} pages, there is no page {what.number}")
+            raise RenderError(
+                f"{path.name}: has {counted(len(document), 'page')}, there is no page {what.number}"
+            )
         yield document[what.number - 1]
     finally:
         document.close()
@@ -171,7 +174,9 @@ def strips_page(
     6.0
     """
     if not len(which) or len(which) != len(middles):
-        raise RenderError(f"{len(which)} strips cannot be drawn about {len(middles)} middles")
+        raise RenderError(
+            f"{counted(len(which), 'strip')} cannot be drawn about {counted(len(middles), 'middle')}"
+        )
     making, pitch = Making(), (1.0 + gap) * pattern.width
     pieces = pieces_of(pattern, making)
     tall = (len(which) + gap) * pitch

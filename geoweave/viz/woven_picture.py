@@ -12,6 +12,7 @@ from geoweave.viz.scene import Scene
 from geoweave.viz.views import View
 from geoweave.viz.weaves import colouring, weave_scene
 from geoweave.weave import Weave
+from geoweave.wording import counted
 
 VEIL = 0.35
 """Opacity of the surface in front of which a weave is at rest."""
@@ -57,7 +58,7 @@ def weave(
     design = woven.weave if isinstance(woven, Relaxed) else woven
     place = "at rest" if isinstance(woven, Relaxed) else "on its surface"
     hues = style.FAMILIES[: int(colouring(design).max()) + 1]
-    words = f"A weave of {len(design.ribbons)} ribbons {place}"
+    words = f"A weave of {counted(len(design.ribbons), 'ribbon')} {place}"
     return gallery([drawn], [(title, "")], width=width, tallest=style.WIDTH, alt=words, accents=hues)
 
 

@@ -19,6 +19,7 @@ from geoweave.arrays import Flags, Indices, frozen
 from geoweave.errors import GeoweaveError
 from geoweave.weave.passages import Passages
 from geoweave.weave.weave_types import EFFORT, FLOATING, WeaveType, rules_of
+from geoweave.wording import counted
 
 __all__ = ["EFFORT", "Interlacing", "greedy", "judged", "optimal"]
 
@@ -107,7 +108,10 @@ def judged(passages: Passages, over: ArrayLike, pattern: WeaveType = "plain") ->
     """
     sides = np.array(over, dtype=np.int64)
     if sides.shape != (len(passages),) or not np.isin(sides, (0, 1)).all():
-        raise GeoweaveError(f"sides are {len(passages)} zeros and ones, not an array of shape {sides.shape}")
+        raise GeoweaveError(
+            f"sides of {counted(len(passages), 'crossing')} are as many zeros and ones, not an array of "
+            f"shape {sides.shape}"
+        )
     relations, triples = passages.relations, passages.triples
     broken = sides[relations.first] ^ sides[relations.second] != relations.parity
     interleaved = int((~broken[triples].any(axis=1)).sum())

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from geoweave.arrays import Flags, Indices, Scalars, frozen
 from geoweave.curves import Crossings, Curves
 from geoweave.errors import GeoweaveError
+from geoweave.wording import counted
 
 __all__ = ["Merge", "Passages", "Relations", "merged"]
 
@@ -189,7 +190,7 @@ def merged(passages: Passages, near: float, lengths: Scalars | None = None) -> M
         raise GeoweaveError(f"the distance below which crossings are merged is not negative, not {near}")
     if lengths is not None and np.shape(lengths) != passages.closed.shape:
         raise GeoweaveError(
-            f"there are {len(passages.closed)} ribbons, but lengths of shape {np.shape(lengths)}"
+            f"for {counted(len(passages.closed), 'ribbon')} there are lengths of shape {np.shape(lengths)}"
         )
     count = len(passages)
     if count < 2:

@@ -10,6 +10,7 @@ import numpy as np
 
 from geoweave.errors import FieldError
 from geoweave.weave.steering import Point, Singularity
+from geoweave.wording import counted
 
 __all__ = ["read_guide", "read_singularities"]
 
@@ -96,7 +97,7 @@ def _rows(name: str, what: str) -> Iterator[tuple[str, list[float]]]:
         if not words:
             continue
         if len(words) != count:
-            raise FieldError(f"{place} has {len(words)} numbers, not {what}")
+            raise FieldError(f"{place} has {counted(len(words), 'number')}, not {what}")
         if not (first and all(word.isalpha() for word in words)):
             yield place, [_number(word, place) for word in words]
         first = False

@@ -9,6 +9,7 @@ from geoweave.arrays import Flags, Indices, Scalars, Vectors
 from geoweave.curves import Curves
 from geoweave.surface import TriMesh
 from geoweave.weave.ribbons import Ribbons
+from geoweave.wording import counted
 
 __all__ = ["violations"]
 
@@ -48,34 +49,34 @@ def violations(ribbons: Ribbons, over: ArrayLike | None = None) -> list[str]:
         return ["there is no ribbon"]
     known = np.all((met.curves >= 0) & (met.curves < len(curves)), axis=1)
     if not known.all():
-        return _said("crossings name a ribbon that is not there", ~known, met.points)
+        return _said("crossing", "names name", "a ribbon that is not there", ~known, met.points)
     near = ROUNDING * curves.mesh.mean_edge
     found = _off_their_ribbons(ribbons, near) + _listed_twice(ribbons, near)
     found += _unlisted(ribbons, 10 * near)
     number = np.bincount(met.curves.ravel(), minlength=len(curves))
     tips = np.stack([curves.points[curves.offsets[:-1]], curves.points[curves.offsets[1:] - 1]], axis=1)
-    found += _said("ribbons cross nothing", number == 0, tips[:, 0])
+    found += _said("ribbon", "crosses cross", "nothing", number == 0, tips[:, 0])
     fewest = ribbons.cutting.fewest
     found += _said(
-        f"ribbons have fewer than {fewest} crossings", (number > 0) & (number < fewest), tips[:, 0]
+        "ribbon", "has have", f"fewer than {fewest} crossings", (number > 0) & (number < fewest), tips[:, 0]
     )
-    found += _said("ends hang loose", _hanging(ribbons, near).ravel(), tips.reshape(-1, 3))
+    found += _said("end", "hangs hang", "loose", _hanging(ribbons, near).ravel(), tips.reshape(-1, 3))
     if over is not None:
         sides = np.asarray(over)
         if sides.shape != (len(met),):
-            found.append(f"{sides.shape} sides do not fit {len(met)} crossings")
+            found.append(f"sides of shape {sides.shape} do not fit {counted(len(met), 'crossing')}")
         else:
-            found += _said("crossings have no ribbon over", ~np.isin(sides, (0, 1)), met.points)
+            found += _said("crossing", "has have", "no ribbon over", ~np.isin(sides, (0, 1)), met.points)
     return found
 
 
-def _said(what: str, wrong: Flags, points: Vectors) -> list[str]:
+def _said(noun: str, verb: str, rest: str, wrong: Flags, points: Vectors) -> list[str]:
     """One sentence with the count and the first place, or nothing."""
     if not wrong.any():
         return []
     first = int(np.flatnonzero(wrong)[0])
     place = ", ".join(f"{x:.4g}" for x in points[first])
-    return [f"{int(wrong.sum()):,} {what}, first number {first} at ({place})"]
+    return [f"{counted(int(wrong.sum()), noun, verb)} {rest}, first number {first} at ({place})"]
 
 
 def _place(curves: Curves, which: Indices, at: Scalars) -> Vectors:
@@ -90,15 +91,17 @@ def _off_their_ribbons(ribbons: Ribbons, near: float) -> list[str]:
     """Crossings at no two places of ribbons, or elsewhere than the ribbons are there."""
     curves, met = ribbons.curves, ribbons.crossings
     inside = (met.arclength >= -near) & (met.arclength <= curves.lengths[met.curves] + near)
-    found = _said("crossings lie beyond the end of a ribbon", ~np.all(inside, axis=1), met.points)
+    found = _said("crossing", "lies lie", "beyond the end of a ribbon", ~np.all(inside, axis=1), met.points)
     off = np.zeros(len(met), dtype=bool)
     for side in (0, 1):
         there = _place(curves, met.curves[:, side], met.arclength[:, side])
         off |= np.linalg.norm(there - met.points, axis=1) > OFF * near
-    found += _said("crossings are not where their ribbons are", off, met.points)
+    found += _said("crossing", "is are", "not where their ribbons are", off, met.points)
     own = met.curves[:, 0] == met.curves[:, 1]
     apart = np.abs(met.arclength[:, 0] - met.arclength[:, 1])
-    return found + _said("crossings are of one ribbon at one place", own & (apart <= near), met.points)
+    return found + _said(
+        "crossing", "is are", "of one ribbon at one place", own & (apart <= near), met.points
+    )
 
 
 def _listed_twice(ribbons: Ribbons, near: float) -> list[str]:
@@ -114,7 +117,7 @@ def _listed_twice(ribbons: Ribbons, near: float) -> list[str]:
     same &= (np.abs(at[order[1:]] - at[order[:-1]]) <= near).all(axis=1)
     twice = np.zeros(len(met), dtype=bool)
     twice[order[1:][same]] = True
-    return _said("crossings are listed twice", twice, met.points)
+    return _said("crossing", "is are", "listed twice", twice, met.points)
 
 
 def _unlisted(ribbons: Ribbons, near: float) -> list[str]:
@@ -146,7 +149,7 @@ def _unlisted(ribbons: Ribbons, near: float) -> list[str]:
     touching = _among(pairs, where, met.curves, met.points, tail) | _among(
         pairs, where, pairs, where, tail, besides_itself=True
     )
-    return _said("places where ribbons cross are not listed", ~touching, where)
+    return _said("place", "is are", "not listed though ribbons cross there", ~touching, where)
 
 
 def _pairs(label: Indices) -> tuple[Indices, Indices]:

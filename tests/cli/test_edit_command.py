@@ -77,7 +77,7 @@ def test_from_the_page_to_the_strips(woven: Path, tmp_path: Path, capfd: pytest.
     capfd.readouterr()
     assert main.main(["edit", str(woven), changes, "-o", str(tmp_path / "changed")]) == 0
     out = capfd.readouterr().out
-    assert "1 ribbons dropped, 1 crossings flipped" in out
+    assert "1 ribbon dropped, 1 crossing flipped" in out
     assert f"{len(labels)} -> {len(labels) - 1}\n" in out
     strips = document(tmp_path / "changed", "pattern.json")
     assert [each["label"] for each in strips["strips"]] == [n for n in labels if n != labels[2]]

@@ -64,7 +64,7 @@ def test_off_with_counts_on_the_first_line_comments_and_colours():
         (read_obj, b"v 0 0 0\nf 1 1.5 1\n", "line 2: a face needs whole numbers"),
         (read_obj, b"v 0 0 0\nf 1 1\n", "line 2: a face needs three vertices"),
         (read_obj, b"f 1 2 3\n", "no vertex lines"),
-        (read_off, b"OFF\n2 1 0\n0 0 0\n1 0 0\n", "announces 2 vertices and 1 faces"),
+        (read_off, b"OFF\n2 1 0\n0 0 0\n1 0 0\n", "announces 2 vertices and 1 face"),
         (read_off, b"OFF\n-1 1 0\n0 0 0\n1 0 0\n", "announces -1 vertices"),
         (
             read_off,
@@ -79,7 +79,7 @@ def test_off_with_counts_on_the_first_line_comments_and_colours():
         (
             read_stl,
             b"solid x\nfacet normal 0 0 1\nvertex 0 0 0\nvertex 1 0 0\nendsolid\n",
-            "1 facets, but 2 vertices",
+            "1 facet, but 2 vertices",
         ),
         (
             read_stl,
@@ -150,7 +150,7 @@ def test_the_name_of_an_stl_model_may_hold_any_word(name):
 @pytest.mark.parametrize(
     ("change", "faces", "note"),
     [
-        (lambda data: data + b"made by hand", 8, "12 bytes after its 8 triangles were left out"),
+        (lambda data: data + b"made by hand", 8, "12 bytes were left out after its 8 triangles"),
         (lambda data: data[:80] + b"\x05\0\0\0" + data[84:], 8, "announces 5 triangles; all 8"),
         (lambda data: data[:80] + b"\0\0\0\0" + data[84:], 8, "announces 0 triangles; all 8"),
         (lambda data: data[:80] + b"\xff\xff\xff\xff" + data[84:], 8, "all 8 that it holds"),

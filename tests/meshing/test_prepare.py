@@ -162,7 +162,7 @@ def test_one_sided_surfaces_are_refused():
     [
         (octahedron()[0], np.empty((0, 3), int), r"holds 6 points and no faces \(a point cloud\); "),
         (np.empty((0, 3)), np.empty((0, 3), int), "holds no faces; "),
-        (octahedron()[0][:5], octahedron()[1], "face 4 names vertex 5, but there are only 5 vertices"),
+        (octahedron()[0][:5], octahedron()[1], "face 4 names vertex 5, but it has only 5 vertices"),
         (octahedron()[0], octahedron()[1] - 1, "face 0 names vertex -1"),
         (np.full((6, 3), np.inf), octahedron()[1], "vertex 0 has a coordinate that is not a finite number"),
         (octahedron()[0] * 1e120, octahedron()[1], r"its coordinates reach 1e\+120; scale it down"),

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from geoweave.meshing.report import RepairReport, number, place
+from geoweave.meshing.report import RepairReport, place
+from geoweave.wording import counted
 
 
 def test_counts_become_sentences_and_notes_follow() -> None:
@@ -22,7 +23,7 @@ def test_a_clean_report_says_nothing() -> None:
 
 
 def test_numbers_and_places_are_written_for_people() -> None:
-    assert [number(1, "vertex"), number(2, "vertex"), number(1_200, "edge")] == [
+    assert [counted(1, "vertex"), counted(2, "vertex"), counted(1_200, "edge")] == [
         "1 vertex",
         "2 vertices",
         "1,200 edges",

@@ -83,7 +83,7 @@ def test_a_twin_with_another_surface_or_shape_does_not_come_back() -> None:
     assert rebuilt_reasons(made, target, genus, openings) == ()
     assert rebuilt_reasons(made, None, None, None) == ()
     assert "0 holes through it, not 2" in rebuilt_reasons(made, target, 2, openings)[0]
-    assert "1 openings, not 0" in rebuilt_reasons(made, target, genus, 0)[0]
+    assert "1 opening, not 0" in rebuilt_reasons(made, target, genus, 0)[0]
     far = target._replace(crossings=replace(target.crossings, largest=0.2))
     (reason,) = rebuilt_reasons(made, far, genus, openings)
     assert "20.0% of the diagonal" in reason

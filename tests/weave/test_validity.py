@@ -15,6 +15,7 @@ from geoweave.surface.mesh import TriMesh
 from geoweave.weave.design import Weave, weave_pattern
 from geoweave.weave.ribbons import Cutting, Ribbons
 from geoweave.weave.validity import violations
+from geoweave.wording import counted
 
 
 @cache
@@ -42,7 +43,7 @@ def test_a_weave_as_it_is_made_breaks_no_rule() -> None:
 def test_a_crossing_taken_away_is_missed() -> None:
     ribbons = pattern().ribbons
     (sentence,) = violations(changed(ribbons, everything(ribbons)[np.arange(len(ribbons.crossings)) != 20]))
-    assert sentence.startswith("1 places where ribbons cross are not listed")
+    assert sentence.startswith("1 place is not listed though ribbons cross there")
 
 
 @pytest.mark.parametrize(("apart", "missed"), [(0.05, 0), (0.3, 2)])
@@ -73,7 +74,8 @@ def test_ribbons_that_cross_back_within_a_tail_touch(apart: float, missed: int) 
     )
     found = violations(Ribbons(curves, none, np.arange(2), 1.0, Cutting(tail=0.1)))
     unlisted = [sentence for sentence in found if "not listed" in sentence]
-    sentence = f"{missed} places where ribbons cross are not listed, first number 0 at (2, 1, 0)"
+    said = f"{counted(missed, 'place', 'is are')} not listed though ribbons cross there"
+    sentence = f"{said}, first number 0 at (2, 1, 0)"
     assert unlisted == [sentence] * bool(missed)
 
 
@@ -85,7 +87,7 @@ def test_an_end_without_its_last_crossing_hangs_loose() -> None:
     near = met.arclength.min(axis=1) <= tail * (1 + 1e-9)
     first = int(np.flatnonzero(near & ~curves.closed[met.curves].any(axis=1))[0])
     found = violations(changed(ribbons, np.delete(everything(ribbons), first)))
-    assert any("ends hang loose" in sentence for sentence in found)
+    assert any("end hangs loose" in sentence for sentence in found)
 
 
 @cache
@@ -99,7 +101,7 @@ def test_crossings_off_their_ribbons_are_found() -> None:
     points = np.array(met.points)
     points[7] += 0.01
     (away, missed) = violations(changed(ribbons, pick, points=points))
-    assert away.startswith("1 crossings are not where their ribbons are, first number 7 at (")
+    assert away.startswith("1 crossing is not where their ribbons are, first number 7 at (")
     assert "not listed" in missed
     arclength = np.array(met.arclength)
     arclength[3, 1] = 1000.0
@@ -130,7 +132,7 @@ def test_ribbons_with_few_crossings_or_none_are_found() -> None:
     assert count >= len(ribbons) // 2
     assert sentence.startswith(f"{count} ribbons have fewer than {middle} crossings")
     alone = changed(ribbons, (ribbons.crossings.curves != 2).all(axis=1))
-    assert any("1 ribbons cross nothing, first number 2" in sentence for sentence in violations(alone))
+    assert any("1 ribbon crosses nothing, first number 2" in sentence for sentence in violations(alone))
 
 
 @pytest.mark.parametrize("wrong", [2, -1])
@@ -139,5 +141,5 @@ def test_a_crossing_without_a_ribbon_over_is_found(wrong: int) -> None:
     over = np.array(weave.interlacing.over)
     over[4] = wrong
     (sentence,) = violations(weave.ribbons, over)
-    assert sentence.startswith("1 crossings have no ribbon over, first number 4")
+    assert sentence.startswith("1 crossing has no ribbon over, first number 4")
     assert "do not fit" in violations(weave.ribbons, over[1:])[0]
