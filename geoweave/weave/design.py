@@ -33,7 +33,6 @@ from geoweave.weave.stages import Callback, Stages
 from geoweave.weave.steering import Steering, steered_rosy, steering_for, steering_met
 from geoweave.weave.weave import THINNESS, Design, Weave, default_width
 from geoweave.weave.weave_types import WeaveType, weave_type_of
-from geoweave.wording import counted
 
 __all__ = ["MOST_CROSSINGS", "WeaveField", "weave_curves", "weave_field", "weave_pattern"]
 
@@ -177,8 +176,7 @@ class WeaveField:
             expected = self.expected_crossings(scale)
             if expected > MOST_CROSSINGS:
                 raise FieldError(
-                    f"a weave of {counted(wanted, 'ribbon')} would have about {expected:,.0f} crossings, "
-                    "more than "
+                    f"a weave of {wanted:,} ribbons would have about {expected:,.0f} crossings, more than "
                     f"{MOST_CROSSINGS:,}; ask for fewer ribbons"
                 )
             try:

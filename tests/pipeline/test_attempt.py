@@ -144,7 +144,7 @@ def test_strips_are_judged_before_they_are_put_together() -> None:
     weave, strips, seen = made.weave, made.cut.pattern, made.inspection
     assert module._flat_reasons(weave, strips, seen) == ()
     split = replace(strips, strips=(strips.strips[0]._replace(openings=(0, 1)), *strips.strips[1:]))
-    assert "1 openings, not 2" in module._flat_reasons(weave, split, seen)[0]
+    assert "1 opening, not 2" in module._flat_reasons(weave, split, seen)[0]
     inner = int(np.argmax((surface_of(strips).partner.reshape(-1, 4) >= 0).all(axis=1)))
     wrong = strips.angle.copy()
     wrong[inner] *= -1

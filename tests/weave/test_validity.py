@@ -87,7 +87,7 @@ def test_an_end_without_its_last_crossing_hangs_loose() -> None:
     near = met.arclength.min(axis=1) <= tail * (1 + 1e-9)
     first = int(np.flatnonzero(near & ~curves.closed[met.curves].any(axis=1))[0])
     found = violations(changed(ribbons, np.delete(everything(ribbons), first)))
-    assert any("end hangs loose" in sentence for sentence in found)
+    assert any("loose" in sentence for sentence in found)
 
 
 @cache
