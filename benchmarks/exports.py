@@ -2,13 +2,13 @@
 
     python -m benchmarks.exports [--only NAME...] [--keep]
 
-A lampshade with a hoop at both openings, a cone, a torus and a bunny, 300 mm long, are woven, relaxed and cut
-with three presets. The twin is made of the lines of ``pattern.svg`` alone, on all its sheets, and compared
-with the weave at rest that the strips are of. A row of ``benchmarks/exports.csv`` says how far the crossings
-are off, in shares of the diagonal, and whether the object comes back; besides, how large the files are, how
-long ``cut`` computes for SVG and PDF, set beside numpy's start on the same machine, and how far the hands go
-from step to step of the assembly. Weaves are kept in build/bench/exports and made anew unless ``--keep`` is
-given. The bunny takes minutes.
+A lampshade with a hoop at both openings, a cone, a torus and a bunny, 300 mm long, are woven and relaxed with
+strips as thick as the material of each of three presets, and cut with it. The twin is made of the lines of
+``pattern.svg`` alone, on all its sheets, and compared with the weave at rest that the strips are of. A row of
+``benchmarks/exports.csv`` says how far the crossings are off, in shares of the diagonal, and whether the
+object comes back; besides, how large the files are, how long ``cut`` computes for SVG and PDF, set beside
+numpy's start on the same machine, and how far the hands go from step to step of the assembly. Weaves are kept
+in build/bench/exports and made anew unless ``--keep`` is given. The bunny takes minutes.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ import numpy as np
 
 from geoweave.checkout import PACKAGE
 from geoweave.errors import FieldError
+from geoweave.fabrication import preset_of
 from geoweave.meshing import write_mesh
 from geoweave.models import shapes
 from geoweave.pipeline import (
@@ -70,9 +71,9 @@ MODELS: dict[str, tuple[Callable[[], TriMesh] | None, int, float]] = {
 """Surface (None: the data set of that name), number of ribbons, and what strips keep beyond a hoop."""
 
 
-def woven(name: str, keep: bool) -> Path:
-    """The folder of a weave at rest."""
-    folder = FOLDER / name
+def woven(name: str, thickness: float, keep: bool) -> Path:
+    """The folder of a weave at rest with strips of a thickness in mm, as docs/making.md advises."""
+    folder = FOLDER / f"{name}-{thickness:g}mm"
     if keep and (folder / "relaxed.json").exists():
         return folder
     folder.mkdir(parents=True, exist_ok=True)
@@ -81,7 +82,8 @@ def woven(name: str, keep: bool) -> Path:
     if build is not None:
         source = str(FOLDER / f"{name}.obj")
         write_mesh(build(), source)
-    weave_file(MeshSource(source), folder, WeaveRequest(ribbons=ribbons, size=SIZE, formats=("json",)))
+    wish = WeaveRequest(ribbons=ribbons, size=SIZE, thickness=thickness, formats=("json",))
+    weave_file(MeshSource(source), folder, wish)
     return folder
 
 
@@ -97,7 +99,8 @@ def started(code: str, *words: str) -> float:
 
 def row(name: str, preset: str, keep: bool) -> dict[str, Any]:
     """One object, cut with one preset."""
-    folder, hoops = woven(name, keep), MODELS[name][2]
+    thickness, hoops = preset_of(preset).thickness, MODELS[name][2]
+    folder = woven(name, thickness, keep)
     wish = CutRequest(preset=preset, hoops=hoops, formats=("svg", "dxf", "pdf"))
     made = cut_folder(folder, FOLDER / f"{name}-{preset}", wish)
     sizes = {
@@ -111,6 +114,7 @@ def row(name: str, preset: str, keep: bool) -> dict[str, Any]:
     found: dict[str, Any] = {
         "object": name,
         "preset": preset,
+        "thickness": thickness,
         "strips_of": made.cut.source,
         "strips": len(made.layout.pattern.strips),
         "crossings": len(made.layout.pattern.at),
@@ -140,6 +144,7 @@ COLUMNS = (
     *(
         "object",
         "preset",
+        "thickness",
         "strips_of",
         "strips",
         "crossings",
@@ -176,8 +181,11 @@ def main() -> None:
     options = parser.parse_args()
     rows = []
     for name in options.only:
-        for number, preset in enumerate(PRESETS):
-            rows.append(row(name, preset, options.keep or number > 0))
+        made: set[float] = set()
+        for preset in PRESETS:
+            thickness = preset_of(preset).thickness
+            rows.append(row(name, preset, options.keep or thickness in made))
+            made.add(thickness)
             print(rows[-1], flush=True)
             written(rows)
     bunny = [each for each in rows if each["object"] == "bunny"]
