@@ -183,7 +183,7 @@ def test_hostile_files(tmp_path):
     refused(with_line(5, "0"), "thickness is 0")
     refused(with_line(6, "nan"), "line 6", "'nan'")
     refused(with_line(9, "999999999999"), "rod 0 need 2,999,999,999,997", "cut short")
-    refused(with_line(9, "1000000"), "rod 0 need 3000000")
+    refused(with_line(9, "1000000"), "rod 0 need 3,000,000")
     refused(with_line(10, "2"), "line 10", "closed flag of rod 0")
     refused(with_word(13, 4, "nan"), "line 13", "'nan'", "vertices of rod 0")
     refused(with_word(13, 4, "1e999"), "line 13", "1e999 among the vertices of rod 0 is beyond 1e+50")

@@ -83,5 +83,5 @@ def test_parts_of_strips_lie_under_each_other(tmp_path: Path) -> None:
     assert edges[1] - edges[0] == pytest.approx(pattern.width, abs=0.2)
     assert edges[2] - edges[0] == pytest.approx(2 * pattern.width, abs=0.2)
     assert len(edges) == 4
-    with pytest.raises(RenderError, match=r"2 strips cannot be drawn about 1 middles"):
+    with pytest.raises(RenderError, match=r"2 strips cannot be drawn about 1 middle"):
         viz.strips_page(tmp_path / "near.pdf", pattern, [0, 4], [75.0], 30.0)
