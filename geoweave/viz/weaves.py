@@ -19,7 +19,7 @@ from geoweave.viz.solids import joined, ribbon_bodies
 from geoweave.viz.views import View, view_of
 from geoweave.weave import Weave
 
-IN_FRONT = 0.5
+IN_FRONT = 0.75
 """Least cosine between the normal and the direction to the eye at the place of a close-up."""
 
 
@@ -182,7 +182,7 @@ def clear_place(candidates: Vectors, avoided: Vectors, mesh: TriMesh, view: View
 
     Returns
     -------
-    (3,) of the candidates where the surface turns to the eye, by 60 degrees or less, the one farthest from
+    (3,) of the candidates where the surface turns to the eye, but for 40 degrees, the one farthest from
     all that is avoided; of all candidates, if nowhere it does
 
     Examples
