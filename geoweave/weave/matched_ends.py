@@ -31,6 +31,12 @@ REACH = 1.5
 CLEAR = 0.3
 """A crossing that is added keeps this distance from those before and after it, in spacings."""
 
+HELD = 2
+"""A ribbon that loses a crossing keeps so many times the fewest that a ribbon may have.
+
+In a weave of few ribbons each crossing holds it in shape, and more so than strict alternation does.
+"""
+
 ROUNDS = 3
 """How often ends are set anew, by the best sides of the ends before."""
 
@@ -39,7 +45,7 @@ def with_matched_ends(ribbons: Ribbons, effort: int, pattern: WeaveType) -> tupl
     """Find the best sides, set ends where a relation is then met, and find the best sides anew.
 
     An end that is set on crosses a ribbon at an angle that holds it, away from other crossings. One that is
-    drawn back leaves enough crossings on both ribbons, and no other end in the air. Ends stay as they are
+    drawn back leaves many crossings on both ribbons, and no other end in the air. Ends stay as they are
     where that does not lower the number of broken relations, or where the weave would fall apart.
 
     Parameters
@@ -163,7 +169,7 @@ class _Moves:
         """Draw ends back from ribbons beside broken relations."""
         tail, farthest = (share * self.ribbons.spacing for share in (self.ribbons.cutting.tail, REACH))
         owner, at = self.passages.ribbons.ravel(), self.passages.arclengths.ravel()
-        fewest = self.ribbons.cutting.fewest
+        fewest = HELD * self.ribbons.cutting.fewest
         for end in np.flatnonzero(self.last >= 0).tolist():
             last = int(self.last[end])
             other, inner = last ^ 1, int((self.preceding if end % 2 else self.passages.following)[last])

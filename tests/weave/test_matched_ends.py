@@ -27,7 +27,7 @@ ROWS = [(-0.98, y, 0.98, y) for y in PLACES if y]
 def woven(*ends: tuple[float, float, float, float]) -> Ribbons:
     # a little aside, so that no crossing falls on a vertex of the mesh
     lines = lines_on_square(*[tuple(np.add(each, [*ASIDE, *ASIDE])) for each in ends])
-    return Ribbons(lines, crossings(lines), np.arange(len(lines)), SPACING, Cutting(fewest=3))
+    return Ribbons(lines, crossings(lines), np.arange(len(lines)), SPACING, Cutting(fewest=2))
 
 
 def test_an_end_goes_on_to_the_cell_of_another_one() -> None:
