@@ -1,7 +1,7 @@
 """What a smoother s costs with the phase coupled: ``python -m benchmarks.evenness [NAME]...``.
 
 Each model is woven once per mu of Eqs. 7 and 8, at the default scale: how uneven the spacing is, how much
-ribbons bend, and what else changes. The table beside this module is committed.
+ribbons bend, and what else changes. The table is written beside this module.
 """
 
 from __future__ import annotations
