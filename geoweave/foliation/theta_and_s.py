@@ -15,11 +15,11 @@ from geoweave.foliation.theta_systems import ThetaSystems
 from geoweave.sparse import Factorization, Ordering, bounded_minimum, smallest_eigenvectors
 from geoweave.surface import TriMesh
 
-SETTLED = 1e-6
+SETTLED = 1e-12
 """What the eigenvector of theta may leave of its equation, as a share of its eigenvalue.
 
 The next eigenvalue is often only a thousandth larger, and a crude eigenvector leaves it to its start where
-ribbons lie (DEVIATIONS.md, theta-start).
+ribbons lie (DEVIATIONS.md, theta-start). The steps that follow enlarge what it leaves a thousandfold.
 """
 
 START_NOISE = 1e-3

@@ -41,9 +41,9 @@ class ThetaSystems:
         self.face_ordering = self.ordering.of(mesh.n_vertices + np.arange(mesh.n_faces))
         self._analyses: dict[Assembly, Analysis] = {}
         # From step to step the weights change little, so that factors serve several of them.
-        self.joint_reused = Reused(self.ordering, soft=self._constants())
+        self.joint_reused = Reused(self.ordering, soft=self.constants())
 
-    def _constants(self) -> sparse.csr_array:
+    def constants(self) -> sparse.csr_array:
         """(V + F, components) theta that is constant on one component: it has no energy."""
         component, n = self.mesh.vertex_components, self.mesh.n_vertices
         shape = n + self.mesh.n_faces, self.mesh.n_components

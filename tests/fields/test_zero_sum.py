@@ -95,3 +95,19 @@ def test_refuses_handles_beside_triples() -> None:
     handles = Handles(np.array([0]), np.array([1.0 + 0.0j]))
     with pytest.raises(FieldError, match="leave out the handles or the triples"):
         geodesic_field(field, handles=handles, triples=triples)
+
+
+@pytest.mark.parametrize("weight", [0.1, 1.0])
+def test_the_numbers_of_the_sheets_decide_nothing_and_one_step_finds_the_minimum(weight: float) -> None:
+    field, triples = three_sheets()
+    rng = np.random.default_rng(3)
+    v = field.values + rng.normal(scale=0.1, size=(field.mesh.n_faces, 2)) @ [1.0, 1.0j]
+    found = ZeroSum(triples, weight).nearest(v, field.values)
+    for order in ([1, 2, 0], [2, 1, 0]):
+        other = type(triples)(triples.mesh, triples.faces[:, order], triples.signs[:, order], triples.ribbons)
+        np.testing.assert_allclose(ZeroSum(other, weight).nearest(v, field.values), found, atol=1e-13)
+    # Each is along v_k - eta (w_l + w_m): none can be better beside the other two, and a second step stays.
+    near, unit_ = triples.signs * v[triples.faces], triples.signs * found[triples.faces]
+    best = near - weight * (unit_.sum(axis=1, keepdims=True) - unit_)
+    np.testing.assert_allclose(best / np.abs(best), unit_, atol=1e-9)
+    np.testing.assert_allclose(ZeroSum(triples, weight).nearest(v, found), found, atol=1e-9)

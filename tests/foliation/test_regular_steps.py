@@ -11,6 +11,7 @@ from geoweave.errors import FieldError
 from geoweave.foliation.phase_energy import PhaseEnergy
 from geoweave.foliation.regular_steps import (
     EMPHASES,
+    ETA,
     MOST,
     MOST_EMPHASIS,
     STIFFENING,
@@ -70,3 +71,20 @@ def test_a_held_s_cannot_be_coupled() -> None:
     field, triples = three_sheets()
     with pytest.raises(FieldError, match="while s is held"):
         gw.foliate(field, triples=triples, steps="theta")
+
+
+def test_steps_are_solved_to_rounding() -> None:
+    """What a step leaves, the next ones enlarge: the numbers of vertices would decide where ribbons lie."""
+    problem, theta, s = coupled()
+    problem.phase.kappa, problem.phase.eta = 0.1, ETA
+    for _ in range(2):
+        model = problem.joint_model(theta, s)
+        right = np.concatenate([model.in_theta, model.in_share])
+        convex, _, _ = problem.energy.model(theta, s)
+        weights = problem.phase.model(theta, s / problem.unit).weights
+        free = np.ones(len(s))
+        entries = problem.systems.joint_entries(convex, free) + problem.phase.entries(weights, free)
+        matrix = problem._assembly(np.concatenate(entries))
+        left = matrix @ model.factors_of(free).solve(right) - right
+        assert np.linalg.norm(left) < 1e-9 * np.linalg.norm(right)
+        theta, s = problem.improve_both(theta, s)
