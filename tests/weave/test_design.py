@@ -111,7 +111,7 @@ def test_a_number_of_ribbons_is_met_or_the_nearest_is_taken() -> None:
 
 def test_the_expected_crossings_are_of_the_right_size() -> None:
     expected = directions().expected_crossings(0.8)
-    assert 0.6 < len(pattern().ribbons.crossings) / expected < 1.2
+    assert 0.5 < len(pattern().ribbons.crossings) / expected < 1.2
     assert directions().expected_crossings(1.6) == pytest.approx(4 * expected)
 
 
