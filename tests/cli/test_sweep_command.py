@@ -133,6 +133,11 @@ def test_a_cluster_gives_the_same_files(
     ]
 
 
+def heeds_interrupts() -> None:
+    """A shell starts what runs in its background with interrupts ignored, and a child inherits that."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_what_was_woven_before_an_interruption_is_kept(
     tmp_path: Path, meshes: list[str], capfd: pytest.CaptureFixture[str], ending: signal.Signals
@@ -143,8 +148,9 @@ def test_what_was_woven_before_an_interruption_is_kept(
     os.mkfifo(held)  # the sweep reads a mesh twice, for its digest and to weave it: we answer once
     command = [sys.executable, "-m", "geoweave", "sweep", *meshes, "-o", str(out), *QUICK]
     child = subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        preexec_fn=heeds_interrupts,
+    )  # fmt: skip
     held.write_bytes(mesh)
     while not (out / "one" / "sweep.json").exists():
         assert child.poll() is None

@@ -17,10 +17,10 @@ def test_an_open_surface_gets_a_far_side_that_lies_deeper() -> None:
     for mesh, sides in ((cone, 2), (ball, 1)):
         scene = viz.Scene()
         add_ground(scene, mesh, DEPTH)
-        assert len(scene.light_actors()) == sides
+        assert len(scene.actors()) == sides
     scene = viz.Scene()
     add_ground(scene, cone, DEPTH)
-    near, far = (data.points for data, _, _ in scene.light_actors())
+    near, far = (actor.data.points for actor in scene.actors())
     away = [np.linalg.norm(each - scene.placed(cone.vertices), axis=1).max() for each in (near, far)]
     assert away[1] > 2 * away[0]
 
