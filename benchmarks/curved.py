@@ -36,7 +36,7 @@ PUBLISHED = {"bean": "straight 2.26 %, after their first stage 0.52 %, at the en
 THEIRS = {"bean": (0.0333, 0.00233), "teardrop": (0.0333, 0.00233)}
 """Width and thickness of their ribbons in the unit of the mesh, as they are written for the bean."""
 
-JOBS = [("bean", 14), ("bean", 16), ("teardrop", 12), ("bunny", 60), ("bunny", 100)]
+JOBS = [("bean", 14), ("bean", 16), ("teardrop", 12), ("teardrop", 18), ("bunny", 60), ("bunny", 100)]
 """Surfaces and how many ribbons are asked for; of 16 the bean's weave has as many crossings as theirs."""
 
 KINDS: tuple[StripKind, ...] = ("straight", "designed", "optimal")
